@@ -1,0 +1,46 @@
+#pragma once
+// The whole configuration of slamd as one value, and its table of keys. The structs' defaults are the only defaults.
+
+#include <string>
+#include <vector>
+
+#include "daemon/config/field.hpp"
+#include "daemon/config/yaml_fields.hpp"
+#include "daemon/threads/real_time.hpp"
+#include "estimator/types/pose.hpp"
+
+namespace slamd {
+
+/// The vehicle of the documentation: VLP-16 1.86 m above base and pitched 11 degrees down.
+VehicleGeometry reference_vehicle();
+
+struct Config {
+  VehicleGeometry vehicle = reference_vehicle();
+  RealTimeConfig real_time;
+};
+
+/// Every key of slamd.yaml, bound to the members of `config`, which must outlive the table.
+std::vector<Field> config_fields(Config& config);
+
+/// The three keys of a drive folder's vehicle.yaml; with prefix "vehicle." the section of slamd.yaml.
+std::vector<Field> vehicle_fields(VehicleGeometry& vehicle, const std::string& prefix = "");
+
+/// What a file gave: `value` is meaningful only when `faults` is empty.
+template <class T>
+struct Loaded {
+  T value;
+  ConfigFaults faults;
+};
+
+/// Defaults, then the file (none when path is empty), then each "key=value". Checks also what only two keys together
+/// can get wrong. Never throws on bad input.
+Loaded<Config> load_config(const std::string& path, const std::vector<std::string>& overrides = {});
+
+/// vehicle.yaml of a drive folder: T_base_lidar, T_base_imu (translation_m, rotation_quat_xyzw), p_base_antenna.
+/// Keys that it does not have keep the reference vehicle's value.
+Loaded<VehicleGeometry> load_vehicle(const std::string& path);
+
+/// The configuration as a slamd.yaml that documents every key; of a default Config this is config/slamd.yaml.
+std::string print_config(const Config& config);
+
+}  // namespace slamd

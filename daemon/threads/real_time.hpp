@@ -1,0 +1,34 @@
+#pragma once
+// Scheduling of the calling thread and memory locking of the process. What the thread does is not known here.
+
+#include "estimator/types/result.hpp"
+
+namespace slamd {
+
+/// How the daemon's threads are scheduled. Priorities are SCHED_FIFO 1..99; 0 leaves a thread under the normal
+/// scheduler.
+struct RealTimeConfig {
+  bool lock_memory = true;
+  int imu_priority = 60;  // also publishes the 200 Hz pose: above everything else of ours
+  int lidar_priority = 50;
+  int gnss_priority = 45;
+  int estimator_priority = 40;  // the long computation: below those who must not miss a byte
+  int driver_cpu = -1;          // -1: any
+  int estimator_cpu = -1;
+};
+
+struct ThreadSchedule {
+  const char* name;  // at most 15 characters, shown by top and ps
+  int priority = 0;
+  int cpu = -1;
+};
+
+/// Names the calling thread, pins it, prefaults its stack and asks for its priority. Every step is tried even when one
+/// fails; the first failure's reason comes back, and the thread goes on without what it was not given.
+Result<void> enter_schedule(const ThreadSchedule& schedule);
+
+/// Locks all present and future pages of the process into memory and keeps freed heap from going back to the kernel.
+/// Call once before threads start. Fails without CAP_IPC_LOCK or enough RLIMIT_MEMLOCK.
+Result<void> lock_memory();
+
+}  // namespace slamd
