@@ -1,0 +1,44 @@
+#pragma once
+// The newest value of a trivially copyable struct, from one writer thread to any number of readers: older values are
+// written over unseen, and the writer never waits. Not a queue. Types with Eigen members: see triple_buffer.hpp.
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <type_traits>
+
+#include "daemon/ring/seqlock.hpp"
+
+namespace slamd {
+
+template <class T>
+class LatestValue {
+  static_assert(std::is_trivially_copyable_v<T> && std::is_default_constructible_v<T>);
+
+ public:
+  /// Writer only. Wait-free, no allocation.
+  void store(const T& value) {
+    typename Block::Words words{};
+    std::memcpy(words.data(), &value, sizeof(T));
+    block_.store(words);
+  }
+
+  /// Any thread. The newest value; nullopt before the first store(). Costs about as much as copying T twice.
+  std::optional<T> load() const {
+    typename Block::Words words;
+    if (!block_.load(words)) return std::nullopt;
+    T value;
+    std::memcpy(static_cast<void*>(&value), words.data(), sizeof(T));
+    return value;
+  }
+
+  /// Any thread. Number of values stored so far: tells a reader whether anything is new.
+  std::uint64_t stores() const { return block_.stores(); }
+
+ private:
+  using Block = Seqlock<(sizeof(T) + 7) / 8>;
+  Block block_;
+};
+
+}  // namespace slamd
