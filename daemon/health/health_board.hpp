@@ -1,0 +1,70 @@
+#pragma once
+// All that get_status says besides the pose: named probes that are asked when somebody wants to know. It measures
+// nothing itself and never touches a real-time thread: probes read atomics.
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "daemon/health/histogram.hpp"
+#include "daemon/ring/spsc_ring.hpp"
+#include "estimator/types/time.hpp"
+
+namespace slamd {
+
+/// What a probe says of one sensor. Counts are totals since the start.
+struct SourceHealth {
+  HostTime last_arrival;          // of the newest good item; only meaningful when received > 0
+  std::uint64_t received = 0;     // good items (packets, samples, sentences)
+  std::uint64_t lost = 0;         // never arrived, as told by stamps or sequence numbers
+  std::string device;             // "udp:0.0.0.0:2368", "/dev/ttyACM0"
+  std::string state;              // one word, e.g. "healthy", "absent"
+  std::vector<std::pair<std::string, std::uint64_t>> rejected;  // by cause
+};
+
+class HealthBoard {
+ public:
+  using SourceProbe = std::function<SourceHealth()>;
+  using RingProbe = std::function<RingCounts()>;
+  using CountProbe = std::function<std::uint64_t()>;
+
+  explicit HealthBoard(HostTime start) : start_{start} {}
+
+  /// Registration: before the server starts, from one thread. Probes are called on the server's thread, may allocate
+  /// but not block, and what they refer to must outlive the server.
+  void add_source(std::string name, SourceProbe probe);
+  void add_ring(std::string name, RingProbe probe);
+  void add_stage(std::string name, const Histogram& histogram);  // in status as milliseconds: "scan", "imu_to_page"
+  void add_count(std::string name, CountProbe probe);            // any further total: "scans", "keyframes"
+
+  /// Server's thread, about once a second: takes the counts that rates are made of.
+  void sample(HostTime now);
+
+  /// Server's thread. The object that get_status gives under "health".
+  nlohmann::json to_json(HostTime now) const;
+
+  /// One line for a log or a service manager: "lidar 753.9/s imu 200.0/s gnss 5.0/s dropped 0".
+  std::string line() const;
+
+ private:
+  struct Source {
+    std::string name;
+    SourceProbe probe;
+    std::uint64_t previous = 0;  // received at the last sample()
+    double rate_hz = 0.0;
+  };
+
+  HostTime start_;
+  HostTime sampled_;
+  std::vector<Source> sources_;
+  std::vector<std::pair<std::string, RingProbe>> rings_;
+  std::vector<std::pair<std::string, const Histogram*>> stages_;
+  std::vector<std::pair<std::string, CountProbe>> counts_;
+};
+
+}  // namespace slamd
