@@ -16,12 +16,19 @@
 
 namespace slamd {
 
+/// ClockSync's defaults, with the smallest delay from the end of a packet's last firing to its arrival.
+inline ClockSync::Config vlp16_clock() {
+  ClockSync::Config config;
+  config.min_latency = std::chrono::microseconds{30};
+  return config;
+}
+
 struct Vlp16Config {
   double min_range_m = 0.5;  // nearer returns are the sensor's own window, its mount or the roof it stands on
   double max_range_m = 130.0;  // the wire format ends at 131.07 m
   Vlp16RotationLimits rotation;
   Duration stamp_tolerance = std::chrono::milliseconds{250};  // stamp's advance against arrival's; arrivals stall, stamps do not
-  ClockSyncConfig clock;
+  ClockSync::Config clock = vlp16_clock();
 };
 
 struct Vlp16Stats {
