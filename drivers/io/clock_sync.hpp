@@ -15,21 +15,20 @@ class ClockSync {
   struct Config {
     Duration min_latency{0};            // constant part of the delay from measurement to arrival
     DelayEnvelope::Config envelope;     // window, expected jitter and skew
-    Duration jump_threshold{3'000'000};     // a persistent change of delay above this is a jump of a clock
-    Duration jump_confirm{1'000'000'000};   // how long it must persist when it could as well be late data
-    Duration sure_jump{250'000'000};        // a delay above this is a jump at once
-    Duration lock_sigma{100'000};           // locked() below this
-    double slew_ppm = 2000.0;               // largest correction of the output's rate while locked
-    Duration max_step{15'000};              // and largest correction at one sample
-    double acquire_slew_ppm = 50'000.0;     // before lock
+    Duration jump_threshold{3'000'000}; // a delay that changes by more than this is a jump of a clock or late data
+    Duration jump_confirm{300'000'000}; // late data end within this host time, a jump does not
+    Duration reorder_limit{250'000'000};  // a device time that falls back by more is a reset of the device
+    Duration lock_sigma{100'000};       // locked() below this
+    double slew_ppm = 2000.0;           // largest correction of the output's rate while locked,
+    Duration max_step{15'000};          // and at one sample
+    double acquire_slew_ppm = 500'000.0;  // before lock
   };
 
   explicit ClockSync(const Config& config) : config_{config}, envelope_{config.envelope} {}
 
   /// One stamp of the device and when its datum arrived. Returns the host time of `device`. Later device times give
-  /// later host times, except after a jump that would put the output more than Config::sure_jump into the future:
-  /// there it steps back. A device time not later than the newest one by less than sure_jump (reordered datum) is only
-  /// mapped.
+  /// later host times, except after a jump that leaves the output more than Config::reorder_limit in the future: there
+  /// it steps back. A device time that falls back by less than that is a reordered datum and is only mapped.
   HostTime update(DeviceTime device, HostTime arrival);
 
   /// Host time of any device time near the newest one, with the mapping of the last update(). Origin before the first.
@@ -45,20 +44,23 @@ class ClockSync {
   std::uint32_t jumps() const { return jumps_; }
 
  private:
-  double delay_of(DeviceTime device, HostTime arrival) const;
-  bool is_jump(DeviceTime device, double excess_ns);
+  enum class Arrival : std::uint8_t { kPlausible, kLate, kJump };
+
+  Arrival judge(double x_s, double delay_ns, HostTime arrival);
   void restart(DeviceTime device, HostTime arrival);
-  void slew_towards(DeviceTime device, double target_delay_ns);
+  void seat(DeviceTime device, HostTime target);
+  HostTime follow(DeviceTime device, HostTime target);
 
   Config config_;
   DelayEnvelope envelope_;
-  DeviceTime origin_device_{};   // delays are relative to these two, so that doubles keep their nanoseconds
+  DeviceTime origin_device_{};  // delays are relative to these two, so that doubles keep their nanoseconds
   HostTime origin_host_{};
-  DeviceTime pivot_device_{};    // the output line runs through (pivot_device_, pivot_host_) with slope rate_
+  DeviceTime pivot_device_{};   // newest output: the mapping runs through it with slope rate_
   HostTime pivot_host_{};
   double rate_ = 1.0;
-  double slew_left_ns_ = 0.0;    // what the output still lacks of the estimate
-  DeviceTime last_plausible_{};  // newest sample whose delay fitted the envelope
+  double slew_left_ns_ = 0.0;   // what the output still lacks of the estimate
+  HostTime late_since_{};       // arrival of the first of late_count_ late samples in a row
+  std::uint32_t late_count_ = 0;
   bool started_ = false;
   bool locked_ = false;
   std::uint32_t jumps_ = 0;

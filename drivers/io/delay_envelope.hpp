@@ -3,6 +3,7 @@
 // numbers: jumps, output smoothing and clocks are ClockSync's.
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -25,52 +26,49 @@ class DelayEnvelope {
     double offset_ns = 0.0;   // posterior mean of the smallest delay at x_s
     double skew = 0.0;        // dimensionless
     double sigma_ns = 0.0;    // posterior deviation of offset_ns
+    double skew_sigma = 0.0;  // posterior deviation of skew
     double at(double x) const { return offset_ns + skew * (x - x_s) * 1e9; }
+    double sigma_at(double x) const { return std::hypot(sigma_ns, skew_sigma * (x - x_s) * 1e9); }
   };
 
   explicit DelayEnvelope(const Config& config);
 
-  /// x_s never decreases. Returns the line at x_s. No allocation, O(kBins * kNodes).
+  /// One delay; x_s never decreases. Returns the line, which is fitted anew when the delay can matter to it. No
+  /// allocation; about 2 us when fitted.
   const Line& add(double x_s, double delay_ns);
   const Line& line() const { return line_; }
-  std::uint32_t count() const { return total_; }
+  std::uint32_t count() const { return count_; }
   /// Width of the excess as learnt, nanoseconds (inverse density at its lower edge).
   double jitter_ns() const;
 
-  /// Forgets every delay but keeps jitter and, as a prior of kept_sigma_ppm, the skew.
-  void restart(double kept_sigma_ppm);
-  /// Forgets everything.
-  void clear();
+  /// Forgets every delay but keeps the learnt jitter and, as a prior, the skew. Abscissae may start anew.
+  void restart();
 
  private:
   static constexpr std::size_t kBins = 64;
   struct Bin {
-    double begin_s, x_s, delay_ns;  // first abscissa; the lowest delay and where
+    double begin_s, x_s, delay_ns;  // first abscissa; the lowest delay (against the skew of its time) and where
     double sum_x_s;
     std::uint32_t count;
   };
-  struct Point {
-    double x_s, delay_ns;
-  };
-  struct Hull {
-    std::array<Point, kBins> points;
-    std::size_t size = 0;
-  };
+  struct Hull;
+  class Posterior;
 
-  void insert(double x_s, double delay_ns);
+  bool insert(double x_s, double delay_ns);
   void merge_pairs();
   void evict(double x_s);
+  double above_line(double x_s, double delay_ns) const;
   Hull lower_hull() const;
   void fit(double x_s);
   void learn_jitter(double excess_ns);
-  double residual(double x_s, double delay_ns) const;
 
   Config config_;
   std::array<Bin, kBins> bins_{};
   std::size_t bin_count_ = 0;
   double bin_width_s_ = 0.0;
-  std::uint32_t total_ = 0;      // delays ever seen since clear()
-  double quantile_ns_ = 0.0;     // kQuantile of the excess
+  std::uint32_t count_ = 0;      // delays since restart()
+  std::uint32_t learnt_ = 0;     // excesses that quantile_ns_ has seen, saturating
+  double quantile_ns_ = 0.0;     // a low quantile of the excess
   double prior_skew_ = 0.0;
   double prior_sigma_ = 0.0;
   Line line_;
