@@ -1,0 +1,33 @@
+#include "daemon/threads/event_merge.hpp"
+
+#include <algorithm>
+
+namespace slamd {
+namespace {
+
+NextEvent oldest(const EventHeads& heads) {
+  NextEvent event;
+  const auto offer = [&event](NextEvent::Kind kind, const std::optional<HostTime>& arrival) {
+    if (arrival && (event.kind == NextEvent::Kind::kNone || *arrival < event.time)) event = {kind, *arrival};
+  };
+  offer(NextEvent::Kind::kLidar, heads.lidar);
+  offer(NextEvent::Kind::kImu, heads.imu);
+  offer(NextEvent::Kind::kGnss, heads.gnss);
+  return event;
+}
+
+}  // namespace
+
+NextEvent EventMerge::next(const EventHeads& heads, HostTime now) {
+  const HostTime settled = now - config_.hold_back;  // whatever arrived before is in its ring
+  const bool all_wait = heads.lidar && heads.imu && heads.gnss;
+  NextEvent event = oldest(heads);
+  if (event.kind != NextEvent::Kind::kNone && !all_wait && event.time > settled) event = {};
+
+  const HostTime known_until = event.kind == NextEvent::Kind::kNone ? settled : event.time;
+  if (last_ && *last_ + config_.silence < known_until) event = {NextEvent::Kind::kSilence, *last_ + config_.silence};
+  if (event.kind != NextEvent::Kind::kNone) last_ = std::max(last_.value_or(event.time), event.time);
+  return event;
+}
+
+}  // namespace slamd

@@ -1,0 +1,45 @@
+#pragma once
+// Decides the order in which the sensors' events reach the estimator, so that a live run and a replay of its recording
+// give it the same sequence. Holds no events: it is told when the oldest of each source arrived.
+
+#include <optional>
+
+#include "estimator/types/time.hpp"
+
+namespace slamd {
+
+struct EventMergeConfig {
+  /// An event waits so long for an earlier one of another, slower thread. Longer than a driver thread's worst delay.
+  Duration hold_back = std::chrono::milliseconds{5};
+  /// After so long without events the estimator is told that time has passed, and then again each time.
+  Duration silence = std::chrono::milliseconds{50};
+};
+
+/// Arrival of the oldest waiting event of each source; nothing where none waits. Each source is in order of arrival.
+struct EventHeads {
+  std::optional<HostTime> lidar;
+  std::optional<HostTime> imu;
+  std::optional<HostTime> gnss;
+};
+
+struct NextEvent {
+  enum class Kind { kNone, kLidar, kImu, kGnss, kSilence };
+  Kind kind = Kind::kNone;
+  HostTime time;  // arrival of the event, or the instant up to which there was silence
+};
+
+/// A pure function of its inputs; one thread. Equal arrivals go lidar, imu, gnss.
+class EventMerge {
+ public:
+  explicit EventMerge(const EventMergeConfig& config) : config_{config} {}
+
+  /// What comes next at host time `now`. The caller consumes it before the next call. A replay passes heads that are
+  /// never empty before their end and the newest arrival plus hold_back as `now`.
+  NextEvent next(const EventHeads& heads, HostTime now);
+
+ private:
+  EventMergeConfig config_;
+  std::optional<HostTime> last_;  // of the newest event handed out
+};
+
+}  // namespace slamd

@@ -1,0 +1,54 @@
+#include "daemon/threads/worker.hpp"
+
+#include <gtest/gtest.h>
+#include <pthread.h>
+
+#include <atomic>
+#include <chrono>
+#include <stdexcept>
+#include <string>
+
+namespace slamd {
+namespace {
+
+TEST(Worker, RunsItsBodyUnderItsNameUntilAskedToStop) {
+  std::atomic<bool> stopped{false};
+  std::string name(16, '\0');
+  {
+    Worker worker{{"slamd-test"}, [&](const std::stop_token& stop) {
+                    pthread_getname_np(pthread_self(), name.data(), name.size());
+                    while (!stop.stop_requested()) std::this_thread::yield();
+                    stopped = true;
+                  }};
+    EXPECT_TRUE(worker.scheduled());
+    EXPECT_FALSE(stopped);
+  }
+  EXPECT_TRUE(stopped);
+  EXPECT_STREQ(name.c_str(), "slamd-test");
+}
+
+TEST(Worker, AnExceptionEndsTheThreadOnlyAndIsReported) {
+  Worker worker{{"slamd-test"}, [](const std::stop_token&) { throw std::runtime_error{"broken"}; }};
+  while (!worker.failed()) std::this_thread::yield();
+  EXPECT_TRUE(worker.failed());
+}
+
+TEST(Worker, AScheduleThatIsNotGrantedIsSaidAndTheBodyRunsAllTheSame) {
+  std::atomic<bool> ran{false};
+  Worker worker{{"slamd-test", 0, 1023}, [&](const std::stop_token&) { ran = true; }};
+  ASSERT_FALSE(worker.scheduled());
+  EXPECT_STREQ(worker.scheduled().reason(), "no such CPU to pin to");
+  while (!ran) std::this_thread::yield();
+}
+
+TEST(Worker, StopsWhileItsBodyHasNotYetLookedAtTheStopToken) {
+  for (int i = 0; i < 50; ++i) {
+    Worker worker{{"slamd-test"}, [](const std::stop_token& stop) {
+                    while (!stop.stop_requested()) std::this_thread::yield();
+                  }};
+    worker.request_stop();
+  }
+}
+
+}  // namespace
+}  // namespace slamd
