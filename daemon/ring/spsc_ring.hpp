@@ -31,6 +31,12 @@ class SpscRing {
   explicit SpscRing(std::size_t capacity)
       : mask_{std::bit_ceil(std::max<std::size_t>(capacity, 1)) - 1}, slots_{std::make_unique<T[]>(mask_ + 1)} {}
 
+  /// The same, with prepare(slot) called for every slot, e.g. to reserve its memory.
+  template <class Prepare>
+  SpscRing(std::size_t capacity, Prepare&& prepare) : SpscRing{capacity} {
+    for (std::size_t i = 0; i <= mask_; ++i) prepare(slots_[i]);
+  }
+
   /// Producer only. Copies the item in; false (and counted) when the ring is full. Wait-free.
   bool try_push(const T& item) {
     T* slot = claim();
