@@ -38,6 +38,8 @@ class ClockSync {
   double skew_ppm() const { return (rate_ - 1.0) * 1e6; }
   /// One standard deviation of to_host() at the last update, without the unknown part of min_latency.
   Duration sigma() const;
+  /// Width of the arrival jitter as learnt so far.
+  Duration jitter() const { return Duration{static_cast<std::int64_t>(envelope_.jitter_ns())}; }
   /// The mapping is as good as Config::lock_sigma; false from a jump until it is again.
   bool locked() const { return locked_; }
   /// Jumps and resets of either clock since construction.

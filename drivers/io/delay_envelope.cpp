@@ -6,7 +6,7 @@
 namespace slamd {
 namespace {
 
-constexpr double kQuantile = 0.3;       // of the excess: quantile / kQuantile is the inverse density at the lower edge
+constexpr double kQuantile = 0.1;       // of the excess: quantile / kQuantile is the inverse density at the lower edge
 constexpr double kSlowestLearning = 0.02;
 constexpr double kKeptSkewSigma = 20e-6;  // a crystal keeps its skew across a restart within this
 constexpr double kPriorSpan = 8.0;      // the skew is searched within so many sigmas of its prior
