@@ -20,7 +20,7 @@ namespace slamd {
 
 struct MapStoreConfig {
   double voxel_size_m = 0.1;                     // of each keyframe; finer detail is not kept
-  std::size_t byte_budget = 256U * 1024 * 1024;  // of all points; beyond it the oldest keyframes lose theirs
+  std::size_t byte_budget = 256U * 1024 * 1024;  // of all points; beyond it the oldest keyframes are forgotten
 };
 
 /// An axis-aligned box in map, metres; by default everything.
@@ -45,7 +45,7 @@ struct MapCounts {
   std::size_t keyframes = 0;
   std::size_t points = 0;
   std::size_t bytes = 0;
-  std::uint64_t evicted_keyframes = 0;    // lost their points to the budget
+  std::uint64_t evicted_keyframes = 0;   // forgotten for the budget
   std::uint64_t rejected_keyframes = 0;   // id seen before, or a pose that is not finite
   std::uint64_t rejected_points = 0;      // not finite, or beyond kMaxRange_m of base
 };
@@ -85,7 +85,7 @@ class MapStore {
   struct StoredKeyframe;
   using Keyframes = std::map<std::uint64_t, StoredKeyframe>;
 
-  void keep_budget();
+  void keep_budget();  // with the lock held
 
   const MapStoreConfig config_;
   mutable std::mutex mutex_;
