@@ -18,7 +18,7 @@ Keyframe keyframe_with(std::uint64_t id, PointCloud points, const Eigen::Vector3
 
 PointCloud random_points(std::size_t count, unsigned seed) {
   std::mt19937 random{seed};
-  std::uniform_real_distribution<float> coordinate{-50.0F, 50.0F};
+  std::uniform_real_distribution<float> coordinate{-49.99F, 49.99F};
   PointCloud points(count);
   for (CloudPoint& point : points) point = {coordinate(random), coordinate(random), coordinate(random), 100.0F};
   return points;
