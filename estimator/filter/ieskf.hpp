@@ -1,0 +1,42 @@
+#pragma once
+// The iterated error-state update of one scan, with directions that the scan does not constrain left to the prior.
+
+#include "estimator/filter/imu_propagation.hpp"
+#include "estimator/filter/point_to_plane.hpp"
+
+namespace slamd {
+
+struct IeskfConfig {
+  std::uint32_t max_iterations = 4;
+  double converged_translation_m = 5.0e-4;
+  double converged_rotation_rad = 5.0e-5;
+  double associate_again_m = 0.1;          // points moved further than this since their planes were found: find anew
+  std::uint32_t min_inliers = 100;
+  double min_inlier_share = 0.3;           // of the points with a plane
+  double information_scale = 0.1;         // neighbouring residuals share their errors: one independent in so many
+  double degenerate_noise_ratio = 8.0;     // information below so many times what noisy normals fake is not believed
+  double degenerate_share = 0.002;         // likewise below this share of all the residuals' information
+  bool estimate_extrinsic = false;
+};
+
+/// What one update did.
+struct UpdateSummary {
+  bool fused = false;
+  std::uint32_t iterations = 0;
+  std::uint32_t matched = 0;
+  std::uint32_t inliers = 0;
+  double test_ratio = 0.0;      // mean normalised innovation over its gate; above 1 the scan contradicts the map
+  int free_translations = 0;    // directions of position and axes of attitude that the prior alone holds
+  int free_rotations = 0;
+  Eigen::Vector3d free_direction = Eigen::Vector3d::Zero();  // unit, odom: the least constrained one, if any is free
+  Matrix6d registration_covariance = Matrix6d::Zero();  // of attitude, position by this scan alone; huge where free
+};
+
+/// Iterated error-state update with one de-skewed scan. On success state and covariance are replaced by the posterior;
+/// with fewer than min_inliers neither changes and `fused` is false. No allocation.
+/// Source: Xu et al. 2022, eq. (14)-(18), in information form: (I + A P)^-1 over the measured rows only, so that a
+/// singular A (free directions) and a singular P (extrinsic not estimated) are both fine.
+UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> points, PointToPlane& residuals,
+                     PlaneMap& map, FilterSnapshot& filter);
+
+}  // namespace slamd

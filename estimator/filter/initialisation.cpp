@@ -1,0 +1,122 @@
+#include "estimator/filter/initialisation.hpp"
+
+namespace slamd {
+
+using I = ErrorIndex;
+
+namespace {
+
+constexpr double kTinyVariance = 1e-10;  // of pose: the first pose defines odom
+
+double squared(double x) { return x * x; }
+
+void set_variance(ErrorCovariance& p, int index, int size, double sigma) {
+  p.diagonal().segment(index, size).setConstant(squared(sigma));
+}
+
+/// Base at the origin with the given tilt: position of the IMU follows from the lever arm.
+InertialState level_state(const Eigen::Quaterniond& R_odom_imu, const Pose& T_base_imu, const Pose& T_imu_lidar) {
+  InertialState state;
+  state.R_odom_imu = R_odom_imu;
+  const Eigen::Quaterniond R_odom_base = R_odom_imu * T_base_imu.rotation.conjugate();
+  state.p_odom_imu = R_odom_base * T_base_imu.translation;
+  state.T_imu_lidar = T_imu_lidar;
+  return state;
+}
+
+/// R_odom_imu with odom's z along `up_imu` and the base's x axis in odom's x-z plane.
+Eigen::Quaterniond attitude_from_up(const Eigen::Vector3d& up_imu, const Pose& T_base_imu) {
+  const Eigen::Vector3d up_base = T_base_imu.rotation * up_imu.normalized();
+  const Eigen::Vector3d y = up_base.cross(Eigen::Vector3d::UnitX()).normalized();
+  Eigen::Matrix3d R_odom_base;
+  R_odom_base.row(0) = y.cross(up_base);
+  R_odom_base.row(1) = y;
+  R_odom_base.row(2) = up_base;
+  return (Eigen::Quaterniond{R_odom_base} * T_base_imu.rotation).normalized();
+}
+
+/// The measured mean force is f = b_a - R^T g + noise, so an error of b_a along the horizon is one of gravity's direction.
+void couple_gravity(const InertialState& state, double bias_sigma, double noise_sigma, ErrorCovariance& p) {
+  const Matrix32d bias_by_gravity =
+      -state.R_odom_imu.toRotationMatrix().transpose() * skew(state.gravity) * tangent_basis_s2(state.gravity);
+  const Eigen::Matrix<double, 2, 3> gravity_by_bias =
+      (bias_by_gravity.transpose() * bias_by_gravity).inverse() * bias_by_gravity.transpose();
+  p.block<3, 3>(I::kAccelBias, I::kAccelBias) = squared(bias_sigma) * Eigen::Matrix3d::Identity();
+  p.block<2, 2>(I::kGravity, I::kGravity) =
+      (squared(bias_sigma) + squared(noise_sigma)) * gravity_by_bias * gravity_by_bias.transpose();
+  p.block<2, 3>(I::kGravity, I::kAccelBias) = squared(bias_sigma) * gravity_by_bias;
+  p.block<3, 2>(I::kAccelBias, I::kGravity) = p.block<2, 3>(I::kGravity, I::kAccelBias).transpose();
+}
+
+ErrorCovariance first_covariance(double velocity, double gyro_bias) {
+  ErrorCovariance p = ErrorCovariance::Zero();
+  p.diagonal().head<6>().setConstant(kTinyVariance);
+  set_variance(p, I::kVelocity, 3, velocity);
+  set_variance(p, I::kGyroBias, 3, gyro_bias);
+  return p;
+}
+
+}  // namespace
+
+void Initialisation::clear() {
+  gyro_ = accel_ = {};
+  count_ = 0.0;
+}
+
+void Initialisation::add(const ImuSample& sample) {
+  if (count_ == 0.0) first_ = sample.time;
+  last_ = sample.time;
+  count_ += 1.0;
+  gyro_.sum += sample.gyro_rads;
+  gyro_.square += sample.gyro_rads.cwiseAbs2();
+  accel_.sum += sample.accel_mps2;
+  accel_.square += sample.accel_mps2.cwiseAbs2();
+}
+
+bool Initialisation::is_still() const {
+  if (count_ < 2.0) return false;
+  return gyro_.deviation(count_).maxCoeff() < config_.still_gyro_std_rads &&
+         gyro_.mean(count_).norm() < config_.still_gyro_mean_rads &&
+         accel_.deviation(count_).maxCoeff() < config_.still_accel_std_mps2;
+}
+
+bool Initialisation::is_ready() const {
+  const double length_s = count_ > 0.0 ? to_seconds(last_ - first_) : 0.0;
+  return length_s >= config_.rest_s || (length_s >= config_.min_s && !is_still());
+}
+
+InitialState Initialisation::state(HostTime time, const Pose& T_base_imu, const Pose& T_imu_lidar,
+                                   bool with_extrinsic) const {
+  InitialState out;
+  out.at_rest = is_still();
+  const Eigen::Vector3d force = accel_.mean(count_);
+  out.filter.time = time;
+  InertialState& state = out.filter.state;
+  state = level_state(attitude_from_up(force, T_base_imu), T_base_imu, T_imu_lidar);
+  out.filter.covariance =
+      out.at_rest ? first_covariance(config_.rest_velocity_mps, config_.rest_gyro_bias_rads)
+                  : first_covariance(config_.moving_velocity_mps, config_.moving_gyro_bias_rads);
+  if (out.at_rest) {
+    state.gyro_bias = gyro_.mean(count_);
+    state.accel_bias = force - kGravity_mps2 * force.normalized();
+  }
+  couple_gravity(state, config_.accel_bias_mps2,
+                 out.at_rest ? config_.rest_accel_noise_mps2 : config_.moving_accel_noise_mps2, out.filter.covariance);
+  if (with_extrinsic) {
+    set_variance(out.filter.covariance, I::kExtrinsicRotation, 3, config_.extrinsic_rotation_rad);
+    set_variance(out.filter.covariance, I::kExtrinsicTranslation, 3, config_.extrinsic_translation_m);
+  }
+  return out;
+}
+
+InitialState initial_state_without_imu(HostTime time, const InitialisationConfig& config, const Pose& T_base_imu,
+                                       const Pose& T_imu_lidar) {
+  InitialState out;
+  out.filter.time = time;
+  out.filter.state = level_state(T_base_imu.rotation, T_base_imu, T_imu_lidar);
+  out.filter.covariance = first_covariance(config.moving_velocity_mps, config.moving_gyro_bias_rads);
+  couple_gravity(out.filter.state, config.accel_bias_mps2, config.moving_accel_noise_mps2, out.filter.covariance);
+  return out;
+}
+
+}  // namespace slamd

@@ -1,0 +1,58 @@
+#pragma once
+// Point-to-plane residuals of one scan against the map, linearised into the information of the measured error states.
+
+#include <span>
+#include <vector>
+
+#include "estimator/filter/inertial_state.hpp"
+#include "estimator/map/plane_map.hpp"
+
+namespace slamd {
+
+using MeasuredVector = Eigen::Matrix<double, ErrorIndex::kMeasured, 1>;
+using MeasuredMatrix = Eigen::Matrix<double, ErrorIndex::kMeasured, ErrorIndex::kMeasured>;
+
+struct PointToPlaneConfig {
+  double range_sigma_m = 0.02;      // one return
+  double floor_sigma_m = 0.01;      // of a residual: what averaging cannot remove
+  double robust_scale = 2.0;        // standard deviations at which a residual's weight is one half
+  double gate_sigmas = 4.0;         // beyond: not used at all
+  double max_residual_m = 1.0;
+};
+
+/// A de-skewed point: lidar frame at scan end, metres.
+struct MeasuredPoint {
+  Eigen::Vector3f p_lidar;
+  float returns = 1.0F;
+};
+
+struct Linearisation {
+  MeasuredMatrix information = MeasuredMatrix::Zero();  // sum w h h^T
+  MeasuredVector gradient = MeasuredVector::Zero();     // sum w h r
+  double normal_noise = 0.0;    // sum w (tilt variance): information on position that noise in the normals would fake
+  double normal_noise_rotation = 0.0;  // likewise on attitude, sum w (tilt variance) |p|^2
+  double squared_error = 0.0;   // sum of (r / sigma)^2 over inliers, not robust
+  std::uint32_t matched = 0;    // points with a plane
+  std::uint32_t inliers = 0;    // of them inside the gate
+};
+
+class PointToPlane {
+ public:
+  PointToPlane(const PointToPlaneConfig& config, std::size_t max_points);
+
+  /// Finds the plane of every point at `state`. Planes are copied: the map may change afterwards.
+  void associate(std::span<const MeasuredPoint> points, const InertialState& state, PlaneMap& map);
+  /// Residuals of the associated points at `state`, weighted; `covariance` widens the gate by what the prior allows.
+  Linearisation linearise(const InertialState& state, const ErrorCovariance& covariance, bool with_extrinsic) const;
+
+ private:
+  struct Match {
+    Eigen::Vector3f p_lidar;
+    float returns;
+    Plane plane;
+  };
+  PointToPlaneConfig config_;
+  std::vector<Match> matches_;
+};
+
+}  // namespace slamd

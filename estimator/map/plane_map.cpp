@@ -1,0 +1,116 @@
+#include "estimator/map/plane_map.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <array>
+
+namespace slamd {
+
+namespace {
+
+constexpr std::uint32_t kRebalanceWork = 2'000;
+constexpr std::uint32_t kRemovalWork = 2'000;
+constexpr std::uint32_t kMaxPlaneAge = 10;     // scans
+constexpr float kRefitGrowth = 1.15F;
+constexpr std::size_t kMostNeighbours = 16;
+
+}  // namespace
+
+float Plane::height_variance(const Eigen::Vector3f& p) const {
+  const Eigen::Vector3f d = p - centre;
+  const float along_major = axis_major.dot(d);
+  const float along_minor = axis_major.cross(normal).dot(d);
+  return variance_m2 / points * (1.0F + along_major * along_major / major_m2 + along_minor * along_minor / minor_m2);
+}
+
+PlaneMap::PlaneMap(const PlaneMapConfig& config)
+    : config_{config},
+      tree_{IkdTreeConfig{.voxel_size_m = config.voxel_size_m, .max_points = config.max_voxels}},
+      moments_(config.max_voxels),
+      planes_(config.max_voxels) {}
+
+void PlaneMap::insert(const Eigen::Vector3f& p_odom) {
+  const IkdTree::Insertion insertion = tree_.insert(p_odom);
+  if (insertion.slot == IkdTree::kNoSlot) return;
+  Moments& m = moments_[insertion.slot];
+  if (insertion.is_new) {
+    m = {};
+    planes_[insertion.slot].voxel_count = -1.0F;
+  }
+  if (m.count >= static_cast<float>(config_.max_voxel_weight)) return;
+  const Eigen::Vector3f d = p_odom - tree_.point(insertion.slot);
+  m.count += 1.0F;
+  int k = 0;
+  for (int i = 0; i < 3; ++i) {
+    m.sum[i] += d[i];
+    for (int j = i; j < 3; ++j) m.square[k++] += d[i] * d[j];
+  }
+}
+
+const Plane* PlaneMap::plane_at(const Eigen::Vector3f& p_odom) {
+  std::uint32_t slot = tree_.find_voxel(p_odom);
+  if (slot == IkdTree::kNoSlot) {
+    Neighbour nearest{};
+    if (tree_.nearest(p_odom, {&nearest, 1}, config_.neighbour_radius_m) == 0) return nullptr;
+    slot = nearest.slot;
+  }
+  CachedPlane& cached = planes_[slot];
+  if (!is_fresh(cached, slot)) fit(tree_.point(slot), slot, cached);
+  return cached.valid ? &cached.plane : nullptr;
+}
+
+bool PlaneMap::is_fresh(const CachedPlane& cached, std::uint32_t slot) const {
+  if (cached.voxel_count < 0.0F || moments_[slot].count > kRefitGrowth * cached.voxel_count) return false;
+  const bool settled = moments_[slot].count >= static_cast<float>(config_.max_voxel_weight);
+  return settled || scan_ - cached.fitted_at < kMaxPlaneAge;
+}
+
+void PlaneMap::fit(const Eigen::Vector3f& p_odom, std::uint32_t slot, CachedPlane& cached) {
+  std::array<Neighbour, kMostNeighbours> neighbours;
+  const std::size_t found = tree_.nearest(
+      p_odom, {neighbours.data(), std::min<std::size_t>(config_.max_neighbours, kMostNeighbours)},
+      config_.neighbour_radius_m);
+  const Eigen::Vector3f origin = tree_.point(slot);
+  double count = 0.0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < found; ++i) {
+    const Moments& m = moments_[neighbours[i].slot];
+    const Eigen::Vector3d d = (tree_.point(neighbours[i].slot) - origin).cast<double>();
+    const Eigen::Vector3d s{m.sum[0], m.sum[1], m.sum[2]};
+    Eigen::Matrix3d q;
+    q << m.square[0], m.square[1], m.square[2], m.square[1], m.square[3], m.square[4], m.square[2], m.square[4],
+        m.square[5];
+    square += q + s * d.transpose() + d * s.transpose() + m.count * d * d.transpose();
+    sum += s + m.count * d;
+    count += m.count;
+  }
+  cached.valid = false;
+  cached.voxel_count = moments_[slot].count;
+  cached.fitted_at = scan_;
+  if (count < config_.min_plane_points) return;
+  const Eigen::Vector3d mean = sum / count;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(square / count - mean * mean.transpose());
+  const Eigen::Vector3d variance = solver.eigenvalues().cwiseMax(1e-8);
+  const auto squared = [](double x) { return x * x; };
+  if (variance[0] > squared(config_.max_plane_thickness_m) || variance[1] < squared(config_.min_plane_extent_m)) return;
+  cached.valid = true;
+  cached.plane = {origin + mean.cast<float>(),
+                  solver.eigenvectors().col(0).cast<float>(),
+                  solver.eigenvectors().col(2).cast<float>(),
+                  static_cast<float>(variance[0]),
+                  static_cast<float>(variance[2]),
+                  static_cast<float>(variance[1]),
+                  static_cast<float>(count)};
+}
+
+void PlaneMap::maintain(const Eigen::Vector3f& p_odom_vehicle) {
+  ++scan_;
+  tree_.rebalance(kRebalanceWork);
+  const Eigen::Vector3f reach = Eigen::Vector3f::Constant(config_.max_distance_m);
+  tree_.remove_outside({p_odom_vehicle - reach, p_odom_vehicle + reach}, kRemovalWork);
+}
+
+void PlaneMap::clear() { tree_.clear(); }
+
+}  // namespace slamd

@@ -1,0 +1,78 @@
+#pragma once
+// The odometry's local map: voxels of the incremental k-d tree with the moments of all that fell into them, and the
+// plane through each neighbourhood, kept until the neighbourhood has changed. Not the map that clients get.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "estimator/map/ikd_tree.hpp"
+
+namespace slamd {
+
+struct PlaneMapConfig {
+  float voxel_size_m = 0.5F;
+  std::uint32_t max_voxels = 300'000;
+  float max_distance_m = 1000.0F;    // half the cube that is kept around the vehicle
+  float neighbour_radius_m = 1.2F;   // of a query; no plane reaches further
+  std::uint32_t max_neighbours = 5;
+  std::uint32_t max_voxel_weight = 40;   // a voxel is frozen when it holds so many points: the old map anchors the new
+  std::uint32_t min_plane_points = 6;
+  float max_plane_thickness_m = 0.15F;   // RMS distance of the points from their plane
+  float min_plane_extent_m = 0.12F;      // RMS extent along the narrower side
+};
+
+/// A plane through the points near a place: normal^T (p - centre) = 0.
+struct Plane {
+  Eigen::Vector3f centre;      // odom, m
+  Eigen::Vector3f normal;      // odom, unit
+  Eigen::Vector3f axis_major;  // odom, unit, in the plane
+  float variance_m2 = 0.0F;    // of the points along the normal
+  float major_m2 = 0.0F;       // variances along the plane's own axes
+  float minor_m2 = 0.0F;
+  float points = 0.0F;
+
+  /// Variance of the plane's height at p, from its points' noise: grows outside of them. m^2.
+  float height_variance(const Eigen::Vector3f& p) const;
+  /// Variance of the normal's tilt about the worse axis, rad^2.
+  float tilt_variance() const { return variance_m2 / (points * minor_m2); }
+};
+
+class PlaneMap {
+ public:
+  explicit PlaneMap(const PlaneMapConfig& config);
+
+  /// Adds a point in odom, metres. Cost: one descent of the tree.
+  void insert(const Eigen::Vector3f& p_odom);
+  /// The plane near p, or null where the surface is not plane, unknown or too thin. Valid until the next insert.
+  const Plane* plane_at(const Eigen::Vector3f& p_odom);
+  /// Once a scan: forgets what is far from the vehicle, re-balances with bounded work.
+  void maintain(const Eigen::Vector3f& p_odom_vehicle);
+  void clear();
+
+  std::size_t size() const { return tree_.size(); }
+  const IkdTree& tree() const { return tree_; }
+
+ private:
+  struct Moments {                 // about the voxel's first point, so that float suffices
+    float count = 0.0F;
+    float sum[3] = {};
+    float square[6] = {};          // xx xy xz yy yz zz
+  };
+  struct CachedPlane {
+    Plane plane;
+    float voxel_count = -1.0F;     // of the voxel at the time of the fit; negative: never fitted
+    std::uint32_t fitted_at = 0;   // scan
+    bool valid = false;
+  };
+
+  bool is_fresh(const CachedPlane& cached, std::uint32_t slot) const;
+  void fit(const Eigen::Vector3f& p_odom, std::uint32_t slot, CachedPlane& cached);
+
+  PlaneMapConfig config_;
+  IkdTree tree_;
+  std::vector<Moments> moments_;
+  std::vector<CachedPlane> planes_;
+  std::uint32_t scan_ = 0;
+};
+
+}  // namespace slamd
