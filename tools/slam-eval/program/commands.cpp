@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 
+#include "tools/slam-eval/program/error_plot.hpp"
 #include "tools/slam-eval/program/report.hpp"
 
 namespace slamd::eval {
@@ -40,6 +41,7 @@ void add_input_options(CLI::App& command, CommonOptions& o) {
           "pose relations (default: trans_part angle_deg full)")
       ->check(CLI::IsMember(kRelations));
   command.add_option("--json", o.json_path, "write the numbers to this file");
+  command.add_option("--plot", o.plot_path, "write a PNG: trajectory by error, error over time (of the first relation)");
 }
 
 // `chosen` is what stands without any of the flags.
@@ -95,6 +97,19 @@ void run_ape(const CommonOptions& o) {
     report.rows.push_back({relation, statistics(ape(matched.truth, matched.estimate, relation))});
   }
   deliver(report, o);
+  if (o.plot_path.empty()) return;
+  const auto errors = ape(matched.truth, matched.estimate, o.relations.front());
+  write_error_plot({report.rows.front(), "APE", errors, matched.estimate, matched.stamps_s, matched.truth}, o.plot_path);
+}
+
+// The error of a pair is drawn where the pair ends.
+ErrorPlot rpe_plot(const MatchedPoses& matched, const std::vector<PosePair>& pairs, const ReportRow& row) {
+  ErrorPlot plot{row, "RPE", rpe(matched.truth, matched.estimate, pairs, row.relation), {}, {}, matched.truth};
+  for (const auto& [begin, end] : pairs) {
+    plot.poses.push_back(matched.estimate[end]);
+    if (!matched.stamps_s.empty()) plot.stamps_s.push_back(matched.stamps_s[end]);
+  }
+  return plot;
 }
 
 void run_rpe(const CommonOptions& o, const RpeOptions& rpe_options) {
@@ -110,6 +125,7 @@ void run_rpe(const CommonOptions& o, const RpeOptions& rpe_options) {
     report.rows.push_back({relation, statistics(rpe(matched.truth, matched.estimate, pairs, relation))});
   }
   deliver(report, o);
+  if (!o.plot_path.empty()) write_error_plot(rpe_plot(matched, pairs, report.rows.front()), o.plot_path);
 }
 
 }  // namespace

@@ -5,11 +5,12 @@
 #include "tools/slam-eval/program/commands.hpp"
 
 int main(int argc, char** argv) {
-  CLI::App app{"Errors of an estimated trajectory against the truth, by the definitions of evo."};
+  CLI::App app{"Errors of an estimated trajectory against the truth by the definitions of evo, and pictures of maps."};
   app.require_subcommand(1);
   app.get_formatter()->column_width(44);
   slamd::eval::add_ape(app);
   slamd::eval::add_rpe(app);
+  slamd::eval::add_picture(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
