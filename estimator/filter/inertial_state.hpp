@@ -53,6 +53,10 @@ struct FilterSnapshot {
   HostTime time;
   InertialState state;
   ErrorCovariance covariance = ErrorCovariance::Zero();
+  Eigen::Vector3d angular_velocity_rads = Eigen::Vector3d::Zero();  // imu frame, bias-free; carried on through IMU gaps
+  /// What the map itself has drifted since odom's origin, of base: rows as NavState::covariance. The filter's own
+  /// covariance is relative to the map around the vehicle.
+  Matrix6d map_covariance = Matrix6d::Zero();
 };
 
 }  // namespace slamd

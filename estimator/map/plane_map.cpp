@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <array>
+#include <limits>
 
 namespace slamd {
 
@@ -30,7 +31,7 @@ PlaneMap::PlaneMap(const PlaneMapConfig& config)
 
 void PlaneMap::insert(const Eigen::Vector3f& p_odom) {
   const IkdTree::Insertion insertion = tree_.insert(p_odom);
-  if (insertion.slot == IkdTree::kNoSlot) return;
+  if (insertion.slot == kNoSlot) return;
   Moments& m = moments_[insertion.slot];
   if (insertion.is_new) {
     m = {};
@@ -48,7 +49,7 @@ void PlaneMap::insert(const Eigen::Vector3f& p_odom) {
 
 const Plane* PlaneMap::plane_at(const Eigen::Vector3f& p_odom) {
   std::uint32_t slot = tree_.find_voxel(p_odom);
-  if (slot == IkdTree::kNoSlot) {
+  if (slot == kNoSlot) {
     Neighbour nearest{};
     if (tree_.nearest(p_odom, {&nearest, 1}, config_.neighbour_radius_m) == 0) return nullptr;
     slot = nearest.slot;
@@ -111,6 +112,9 @@ void PlaneMap::maintain(const Eigen::Vector3f& p_odom_vehicle) {
   tree_.remove_outside({p_odom_vehicle - reach, p_odom_vehicle + reach}, kRemovalWork);
 }
 
-void PlaneMap::clear() { tree_.clear(); }
+void PlaneMap::clear() {
+  const Eigen::Vector3f everywhere = Eigen::Vector3f::Constant(std::numeric_limits<float>::max());
+  tree_.remove_box({-everywhere, everywhere}, kRemovalWork);
+}
 
 }  // namespace slamd

@@ -1,20 +1,31 @@
 #pragma once
 // The pose between scans: the newest posterior carried forward by every IMU sample. Runs on the IMU thread, knows no map.
 
-#include "estimator/filter/imu_propagation.hpp"
-#include "estimator/odometry/imu_buffer.hpp"
+#include "estimator/odometry/dead_reckoning.hpp"
 #include "estimator/types/nav_state.hpp"
 
 namespace slamd {
 
 class PosePredictor {
  public:
-  PosePredictor(const VehicleGeometry& geometry, const ImuNoise& noise);
+  PosePredictor(const VehicleGeometry& geometry, const DeadReckoningConfig& config);
 
-  /// A new posterior: buffered samples younger than it are applied anew. Status and reasons of `posterior` are kept.
+  /// A new posterior: samples younger than it are applied anew at the next add(). Status of `posterior` is kept.
   void correct(const FilterSnapshot& snapshot, const NavState& posterior);
   /// The pose at the sample's time; before the first posterior its status is kInitialising. Bounded work, no allocation.
   NavState add(const ImuSample& sample);
+  /// The pose at `time` when no sample comes: the constant-velocity model carries on.
+  NavState coast_to(HostTime time);
+
+ private:
+  NavState state() const;
+
+  Pose T_base_imu_;
+  DeadReckoning dead_reckoning_;
+  ImuBuffer samples_;
+  FilterSnapshot filter_;
+  NavState posterior_;
+  bool has_posterior_ = false;
 };
 
 }  // namespace slamd

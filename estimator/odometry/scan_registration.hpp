@@ -1,0 +1,45 @@
+#pragma once
+// One scan against the local map: de-skew, choice of points, iterated update, insertion. Owns the map and all scratch
+// memory; decides nothing about status.
+
+#include "estimator/filter/ieskf.hpp"
+#include "estimator/lidar/deskew.hpp"
+#include "estimator/types/scan.hpp"
+
+namespace slamd {
+
+struct ScanRegistrationConfig {
+  PlaneMapConfig map;
+  PointToPlaneConfig point_to_plane;
+  IeskfConfig update;
+  std::uint32_t max_points = 4'000;   // segments that take part in one update, evenly chosen
+};
+
+class ScanRegistration {
+ public:
+  static constexpr std::size_t kMaxSegments = 16'384;
+
+  explicit ScanRegistration(const ScanRegistrationConfig& config);
+
+  /// The motion during the scan, to be filled knot by knot before deskew().
+  ScanMotion& motion() { return motion_; }
+  /// Moves the scan's segments to the scan's end. Once a scan, before update() and insert().
+  void deskew(const Scan& scan, const Pose& T_imu_lidar);
+  /// Fuses the de-skewed segments; see slamd::update.
+  UpdateSummary update(FilterSnapshot& filter);
+  /// Adds the de-skewed segments to the map at the filter's pose.
+  void insert(const InertialState& state);
+
+  void clear_map() { map_.clear(); }
+  const PlaneMap& map() const { return map_; }
+
+ private:
+  ScanRegistrationConfig config_;
+  ScanMotion motion_;
+  std::vector<MeasuredPoint> deskewed_;  // all segments
+  std::vector<MeasuredPoint> chosen_;    // those that take part in the update
+  PointToPlane residuals_;
+  PlaneMap map_;
+};
+
+}  // namespace slamd
