@@ -79,7 +79,8 @@ Vlp16Rejection read_blocks(Vlp16Packet& packet) {
   return Vlp16Rejection::kCount;
 }
 
-/// An HDL-64E sends no model byte (its last bytes cycle through status values), but every second block has its own flag.
+/// An HDL-64E sends no model byte (its last bytes cycle through status values, 0x22 too), but every second block is of its
+/// lower lasers and flagged so.
 bool has_lower_blocks(std::span<const std::uint8_t, kVlp16PacketBytes> bytes) {
   ByteReader reader{bytes.subspan(kBlockBytes, 2)};
   return reader.u16_le() == kLowerBlockFlag;
@@ -103,10 +104,9 @@ Vlp16Parsed parse_vlp16(std::span<const std::uint8_t> payload) {
   const std::uint32_t stamp_us = tail.u32_le();
   const std::uint8_t mode = tail.u8();
   parsed.cause = model_of(tail.u8());
-  if (parsed.cause != Vlp16Rejection::kCount) {
-    if (parsed.cause != Vlp16Rejection::kVls128 && has_lower_blocks(bytes)) parsed.cause = Vlp16Rejection::kHdl64e;
-    return parsed;
-  }
+  if (parsed.cause != Vlp16Rejection::kVls128 && has_lower_blocks(bytes)) parsed.cause = Vlp16Rejection::kHdl64e;
+  if (parsed.cause != Vlp16Rejection::kCount) return parsed;
+
   if (!is_return_mode(mode)) {
     parsed.cause = Vlp16Rejection::kReturnMode;
   } else if (stamp_us >= kHourUs) {
