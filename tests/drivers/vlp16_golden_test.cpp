@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -157,7 +158,7 @@ TEST_F(Vlp16Golden, EveryGoldenPointIsAmongOurs) {
       continue;
     }
     const LidarPoint& p = match->second;
-    worst_xy = std::max(worst_xy, std::hypot(p.x - g.x, p.y - g.y));
+    worst_xy = std::max<double>(worst_xy, std::hypot(p.x - g.x, p.y - g.y));
     const double deg = std::remainder(p.azimuth_cdeg * 0.01 - g.azimuth_rad * 180.0 / std::numbers::pi, 360.0);
     worst_deg = std::max(worst_deg, std::abs(deg));
     sum_deg += deg;
