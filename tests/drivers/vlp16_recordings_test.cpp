@@ -100,13 +100,13 @@ TEST(Vlp16Recordings, AnHdl32IsRefusedByName) {
   EXPECT_NE(std::string{explain(decoder.last_rejection())}.find("HDL-32E"), std::string::npos);
 }
 
-/// The vehicle of the sample drive stands on level ground at the start: through T_base_lidar (11 degrees down, 1.86 m up)
-/// the points ahead and behind must lie on it. Wrong axes, elevations or times of a block would tilt or lift them.
+/// The vehicle of the sample drive stands at the start with free, level ground ahead: through T_base_lidar (11 degrees down,
+/// 1.86 m up) the lowest beams of the front quarter lie on it. Wrong axes, elevations or azimuths would lift or sink them.
 double median_ground_height(const std::vector<LidarPoint>& points) {
   const double pitch = 11.0 * 3.14159265358979 / 180.0;
   std::vector<double> heights;
   for (const LidarPoint& p : points) {
-    if (p.ring > 3 || std::hypot(p.x, p.y) > 12.0F) continue;
+    if (p.ring > 3 || p.x < std::abs(p.y)) continue;
     heights.push_back(1.86 - std::sin(pitch) * p.x + std::cos(pitch) * p.z);
   }
   if (heights.size() < 100) return std::nan("");
