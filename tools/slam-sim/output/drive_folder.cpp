@@ -1,0 +1,100 @@
+#include "tools/slam-sim/output/drive_folder.hpp"
+
+#include <cinttypes>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <stdexcept>
+
+#include "firmware/protocol/imu_frame.hpp"
+
+namespace slamd::sim {
+namespace {
+
+std::filesystem::path created(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::runtime_error(folder.string() + ": " + error.message());
+  return folder;
+}
+
+}  // namespace
+
+void write_tum_line(std::FILE* file, std::int64_t stamp_ns, const Pose& pose) {
+  const auto& p = pose.translation;
+  const auto& q = pose.rotation;
+  std::fprintf(file, "%" PRId64 ".%09" PRId64 " %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n", stamp_ns / 1'000'000'000,
+               stamp_ns % 1'000'000'000, p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+}
+
+DriveFolder::File DriveFolder::open(const std::filesystem::path& path) {
+  File file{std::fopen(path.c_str(), "w"), &std::fclose};
+  if (!file) throw std::runtime_error(path.string() + ": " + std::strerror(errno));
+  return file;
+}
+
+DriveFolder::DriveFolder(const std::filesystem::path& folder, std::int64_t host_start_ns)
+    : folder_{created(folder)},
+      host_start_ns_{host_start_ns},
+      lidar_{folder / "lidar.pcap"},
+      imu_{open(folder / "imu.csv")},
+      gps_{open(folder / "gps.csv")} {
+  std::fputs("t_ns,gx_rads,gy_rads,gz_rads,ax_mps2,ay_mps2,az_mps2,temp_c\n", imu_.get());
+  std::fputs("t_ns,sentence\n", gps_.get());
+}
+
+void DriveFolder::write(const WireEvent& event) {
+  switch (event.channel) {
+    case Channel::kLidar: lidar_.write(host_start_ns_ + event.arrival_ns, 2368, event.bytes); break;
+    case Channel::kPosition: lidar_.write(host_start_ns_ + event.arrival_ns, 8308, event.bytes); break;
+    case Channel::kImu: write_imu(event); break;
+    case Channel::kGps: write_gps(event); break;
+  }
+}
+
+void DriveFolder::write_imu(const WireEvent& event) {
+  const auto decoded = decode_imu_packet(std::span<const std::uint8_t>{event.bytes}.first(kImuFramePacketBytes));
+  if (!decoded) return;
+  constexpr double kGyro = kImuGyroMdpsPerLsb * 1e-3 * std::numbers::pi / 180.0;
+  constexpr double kAccel = kImuAccelMgPerLsb * 1e-3 * 9.80665;
+  std::fprintf(imu_.get(), "%" PRId64, host_start_ns_ + event.arrival_ns);
+  for (const auto counts : decoded.frame.gyro) std::fprintf(imu_.get(), ",%.8f", counts * kGyro);
+  for (const auto counts : decoded.frame.accel) std::fprintf(imu_.get(), ",%.8f", counts * kAccel);
+  std::fprintf(imu_.get(), ",%.2f\n", decoded.frame.temperature / kImuTemperatureLsbPerC + kImuTemperatureZeroC);
+}
+
+/// One line a sentence, whatever its bytes: line ends inside (damaged sentences) would break the file and become dots.
+void DriveFolder::write_gps(const WireEvent& event) {
+  std::string text(event.bytes.begin(), event.bytes.end());
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
+  for (char& c : text) {
+    if (c == '\n' || c == '\r' || c == '\0') c = '.';
+  }
+  std::fprintf(gps_.get(), "%" PRId64 ",%s\n", host_start_ns_ + event.arrival_ns, text.c_str());
+}
+
+void DriveFolder::write_truth(const Trajectory& trajectory, double duration_s) {
+  const File file = open(folder_ / "truth.tum");
+  const auto count = static_cast<std::int64_t>(std::floor(duration_s * 100.0 + 1e-6));
+  for (std::int64_t i = 0; i <= count; ++i) {
+    write_tum_line(file.get(), host_start_ns_ + i * 10'000'000, trajectory.pose_at(static_cast<double>(i) * 0.01));
+  }
+}
+
+void DriveFolder::write_vehicle(const VehicleGeometry& vehicle) {
+  const File file = open(folder_ / "vehicle.yaml");
+  const auto transform = [&](const char* name, const Pose& pose) {
+    const auto& p = pose.translation;
+    const auto& q = pose.rotation;
+    std::fprintf(file.get(), "%s:\n  translation_m: [%.6f, %.6f, %.6f]\n  rotation_quat_xyzw: [%.12f, %.12f, %.12f, %.12f]\n",
+                 name, p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+  };
+  std::fputs("# True extrinsics: p_base = T_base_x * p_x, metres. base: footprint on the ground, x forward, y left, z up.\n",
+             file.get());
+  transform("T_base_lidar", vehicle.T_base_lidar);
+  transform("T_base_imu", vehicle.T_base_imu);
+  const auto& a = vehicle.p_base_antenna;
+  std::fprintf(file.get(), "p_base_antenna: [%.6f, %.6f, %.6f]\n", a.x(), a.y(), a.z());
+}
+
+}  // namespace slamd::sim

@@ -1,0 +1,40 @@
+#pragma once
+// Writes wire events as a drive folder: lidar.pcap, imu.csv, gps.csv, truth.tum, vehicle.yaml. Design, section 8.
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "tools/slam-sim/output/pcap_writer.hpp"
+#include "tools/slam-sim/sensors/simulation.hpp"
+
+namespace slamd::sim {
+
+class DriveFolder {
+ public:
+  /// Creates the folder. host_start_ns: host time of the start of the drive. Throws std::runtime_error with path and reason.
+  DriveFolder(const std::filesystem::path& folder, std::int64_t host_start_ns);
+
+  /// Events in order of arrival. IMU frames that a driver would refuse leave no line.
+  void write(const WireEvent& event);
+  /// truth.tum (base in world, 100 Hz) and vehicle.yaml.
+  void write_truth(const Trajectory& trajectory, double duration_s);
+  void write_vehicle(const VehicleGeometry& vehicle);
+
+ private:
+  using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+  static File open(const std::filesystem::path& path);
+  void write_imu(const WireEvent& event);
+  void write_gps(const WireEvent& event);
+
+  std::filesystem::path folder_;
+  std::int64_t host_start_ns_;
+  PcapWriter lidar_;
+  File imu_;
+  File gps_;
+};
+
+/// One line of a TUM file.
+void write_tum_line(std::FILE* file, std::int64_t stamp_ns, const Pose& pose);
+
+}  // namespace slamd::sim

@@ -1,0 +1,208 @@
+#include "tools/slam-sim/sensors/simulation.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <thread>
+
+#include "tools/slam-sim/sensors/fault_injector.hpp"
+#include "tools/slam-sim/sensors/position_sensor.hpp"
+
+namespace slamd::sim {
+namespace {
+
+constexpr double kSlice = 0.5;
+
+int laps_of(CourseKind kind) { return kind == CourseKind::kTwoLaps ? 2 : 1; }
+
+Path path_of(const World& world, CourseKind kind) {
+  switch (kind) {
+    case CourseKind::kFigureEight: return Path{world.figure_eight};
+    case CourseKind::kLineAndBack: return Path{world.line};
+    default: return Path{world.loop, laps_of(kind)};
+  }
+}
+
+std::vector<Leg> legs_of(const CourseSpec& course, double length) {
+  if (course.kind == CourseKind::kStandstill) return {};
+  if (course.kind == CourseKind::kLineAndBack) return {{0.0, length, 3.0}, {length, 0.0, 2.0}};
+  std::vector<Leg> legs;
+  double from = 0.0;
+  for (; course.stop_every_m > 0.0 && from + 1.5 * course.stop_every_m < length; from += course.stop_every_m) {
+    legs.push_back({from, from + course.stop_every_m, 2.0});
+  }
+  legs.push_back({from, length, 2.0});
+  return legs;
+}
+
+TrajectoryPlan plan_of(const DriveSpec& spec, const World& world, const Path& path) {
+  const CourseSpec& course = spec.course;
+  TrajectoryPlan plan;
+  plan.seed = spec.seed;
+  plan.wobble = course.wobble;
+  plan.slalom_m = course.slalom_m;
+  plan.speed.limits.speed_mps = course.speed_mps > 0.0 ? course.speed_mps : world.speed_limit_mps;
+  plan.speed.rest_at_start_s = course.moving_start ? 0.0 : course.rest_s;
+  plan.speed.speed_at_start_mps = course.moving_start ? plan.speed.limits.speed_mps : 0.0;
+  const double length = course.length_m > 0.0 ? std::min(course.length_m, path.length()) : path.length();
+  plan.speed.legs = legs_of(course, length);
+  if (course.kind == CourseKind::kStandstill) plan.speed.rest_at_start_s = spec.max_duration_s > 0.0 ? spec.max_duration_s : 60.0;
+  return plan;
+}
+
+void apply_clock_faults(const std::vector<Fault>& faults, Channel sensor, SensorClock& clock) {
+  for (const Fault& fault : faults) {
+    if (fault.sensor != sensor) continue;
+    if (fault.kind == FaultKind::kClockJump) clock.step_at(fault.from_s, fault.value * 1e-3);
+    if (fault.kind == FaultKind::kClockSkew) clock.drift_between(fault.from_s, fault.to_s, fault.value);
+  }
+}
+
+SensorClock lidar_clock(const DriveSpec& spec) {
+  Rng rng{spec.seed, Stream::kLidarUnit, 1};
+  const double start = spec.lidar.pps_locked ? std::fmod(spec.gps.utc_start_s, 3600.0) : rng.uniform(0.0, 3600.0);
+  SensorClock clock{start, spec.lidar.pps_locked ? 0.0 : spec.lidar.clock_skew_ppm};
+  apply_clock_faults(spec.faults, Channel::kLidar, clock);
+  return clock;
+}
+
+SensorClock imu_clock(const DriveSpec& spec) {
+  Rng rng{spec.seed, Stream::kImuUnit, 1};
+  SensorClock clock{rng.uniform(5.0, 500.0), spec.imu.clock_skew_ppm};
+  apply_clock_faults(spec.faults, Channel::kImu, clock);
+  return clock;
+}
+
+/// Runs job(0..count-1) on several threads; which thread takes which index does not matter to the result.
+template <class Job>
+void in_parallel(int threads, std::size_t count, const Job& job) {
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < count; i = next++) job(i);
+  };
+  std::vector<std::jthread> helpers;
+  for (int i = 1; i < threads; ++i) helpers.emplace_back(work);
+  work();
+}
+
+}  // namespace
+
+VehicleGeometry reference_vehicle() {
+  VehicleGeometry vehicle;
+  vehicle.T_base_lidar = {Eigen::Quaterniond(0.995396198367, 0.0, 0.095845752520, 0.0).normalized(), {0.45, 0.02, 1.86}};
+  vehicle.T_base_imu = {Eigen::Quaterniond(0.699404695268, 0.019093388559, 0.003285447570, 0.714463239491).normalized(),
+                        {0.12, -0.08, 1.52}};
+  vehicle.p_base_antenna = {-0.60, 0.35, 1.74};
+  return vehicle;
+}
+
+struct Simulation::Parts {
+  explicit Parts(const DriveSpec& wanted)
+      : spec{wanted},
+        world{make_world(wanted.world, wanted.seed)},
+        path{path_of(world, wanted.course.kind)},
+        trajectory{world, path, plan_of(wanted, world, path)},
+        traffic{world, trajectory, path, wanted.crowd, wanted.seed},
+        vehicle{reference_vehicle()},
+        lidar{wanted.lidar, {world, traffic, trajectory, vehicle}, lidar_clock(wanted), wanted.seed},
+        position{wanted.lidar, wanted.gps, trajectory, lidar_clock(wanted), wanted.seed},
+        imu{wanted.imu, trajectory, vehicle.T_base_imu, imu_clock(wanted), wanted.seed},
+        gps{wanted.gps, trajectory, vehicle.p_base_antenna, wanted.seed},
+        injector{wanted.faults, wanted.seed} {
+    if (spec.threads <= 0) spec.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    for (const Fault& fault : spec.faults) {
+      if (fault.kind == FaultKind::kJump) gps.disturb({fault.from_s, fault.to_s, fault.value});
+    }
+  }
+
+  double duration() const {
+    return spec.max_duration_s > 0.0 ? std::min(spec.max_duration_s, trajectory.duration()) : trajectory.duration();
+  }
+  std::vector<WireEvent> take_lidar(double until);
+  std::vector<WireEvent> take_position(double until);
+  void admit(std::vector<WireEvent> events);
+  std::vector<WireEvent> release(std::int64_t until_ns);
+
+  DriveSpec spec;
+  World world;
+  Path path;
+  Trajectory trajectory;
+  Traffic traffic;
+  VehicleGeometry vehicle;
+  LidarSensor lidar;
+  PositionSensor position;
+  ImuSensor imu;
+  GpsSensor gps;
+  FaultInjector injector;
+  std::vector<WireEvent> pending;
+  std::array<std::int64_t, kChannels> last_arrival_ns{};
+  std::int64_t lidar_packets = 0, position_packets = 0;
+  double time = 0.0;
+};
+
+std::vector<WireEvent> Simulation::Parts::take_lidar(double until) {
+  std::int64_t end = lidar_packets;
+  while (lidar.packet_time(end) < until && lidar.packet_time(end + 1) < duration()) ++end;
+  std::vector<WireEvent> events(static_cast<std::size_t>(end - lidar_packets));
+  in_parallel(spec.threads, events.size(), [&](std::size_t i) { events[i] = lidar.packet(lidar_packets + static_cast<std::int64_t>(i)); });
+  lidar_packets = end;
+  return events;
+}
+
+std::vector<WireEvent> Simulation::Parts::take_position(double until) {
+  std::vector<WireEvent> events;
+  for (; position.packet_time(position_packets) < until; ++position_packets) events.push_back(position.packet(position_packets));
+  return events;
+}
+
+/// Faults, then the order of each cable: nothing overtakes on one channel.
+void Simulation::Parts::admit(std::vector<WireEvent> events) {
+  for (WireEvent& event : events) {
+    auto left = injector.apply(std::move(event));
+    if (!left) continue;
+    std::int64_t& last = last_arrival_ns[static_cast<std::size_t>(left->channel)];
+    left->arrival_ns = std::max(left->arrival_ns, last + 10'000);
+    last = left->arrival_ns;
+    pending.push_back(std::move(*left));
+  }
+}
+
+std::vector<WireEvent> Simulation::Parts::release(std::int64_t until_ns) {
+  std::stable_sort(pending.begin(), pending.end(), [](const auto& a, const auto& b) { return a.arrival_ns < b.arrival_ns; });
+  const auto end = std::partition_point(pending.begin(), pending.end(), [&](const auto& e) { return e.arrival_ns < until_ns; });
+  std::vector<WireEvent> out(std::make_move_iterator(pending.begin()), std::make_move_iterator(end));
+  pending.erase(pending.begin(), end);
+  return out;
+}
+
+Simulation::Simulation(const DriveSpec& spec) : parts_{std::make_unique<Parts>(spec)} {}
+Simulation::~Simulation() = default;
+
+std::vector<WireEvent> Simulation::next_slice() {
+  Parts& p = *parts_;
+  p.time = std::min(p.time + kSlice, p.duration());
+  if (p.spec.with_lidar) {
+    p.admit(p.take_lidar(p.time));
+    p.admit(p.take_position(p.time));
+  }
+  while (p.spec.with_imu) {
+    auto frame = p.imu.next(p.time);
+    if (!frame) break;
+    p.admit({std::move(*frame)});
+  }
+  while (p.spec.with_gps) {
+    auto sentences = p.gps.next(p.time);
+    if (sentences.empty()) break;
+    p.admit(std::move(sentences));
+  }
+  return p.release(done() ? std::numeric_limits<std::int64_t>::max() : std::llround(p.time * 1e9));
+}
+
+bool Simulation::done() const { return parts_->time >= parts_->duration(); }
+double Simulation::time() const { return parts_->time; }
+double Simulation::duration() const { return parts_->duration(); }
+const Trajectory& Simulation::trajectory() const { return parts_->trajectory; }
+const World& Simulation::world() const { return parts_->world; }
+const VehicleGeometry& Simulation::vehicle() const { return parts_->vehicle; }
+
+}  // namespace slamd::sim

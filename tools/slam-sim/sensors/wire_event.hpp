@@ -1,0 +1,20 @@
+#pragma once
+// Bytes that reach the host at a moment: what every simulated sensor makes. No sockets and no files.
+
+#include <cstdint>
+#include <vector>
+
+namespace slamd::sim {
+
+enum class Channel : std::uint8_t { kLidar, kPosition, kImu, kGps };
+inline constexpr int kChannels = 4;
+
+/// Times are nanoseconds from the start of the drive.
+struct WireEvent {
+  Channel channel = Channel::kLidar;
+  std::int64_t taken_ns = 0;    // when the sensor measured (lidar: first firing of the packet)
+  std::int64_t arrival_ns = 0;  // when the host has received all bytes
+  std::vector<std::uint8_t> bytes;
+};
+
+}  // namespace slamd::sim
