@@ -26,6 +26,7 @@ struct GnssFix {
   bool velocity_valid = false;
   double speed_mps = 0.0;   // over ground
   double course_deg = 0.0;  // over ground, clockwise from true north
+  bool stale = false;       // the receiver repeats an old position: no new information
 };
 
 }  // namespace slamd
