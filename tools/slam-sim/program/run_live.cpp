@@ -1,0 +1,114 @@
+#include <ctime>
+
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "tools/slam-sim/output/drive_folder.hpp"
+#include "tools/slam-sim/output/pty_port.hpp"
+#include "tools/slam-sim/output/slice_queue.hpp"
+#include "tools/slam-sim/output/stop_signals.hpp"
+#include "tools/slam-sim/output/udp_sender.hpp"
+#include "tools/slam-sim/program/progress.hpp"
+#include "tools/slam-sim/program/run.hpp"
+
+namespace slamd::sim {
+namespace {
+
+constexpr std::size_t kAhead = 12, kReady = 3;  // slices of half a second
+
+std::int64_t now_ns() {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * 1'000'000'000LL + now.tv_nsec;
+}
+
+void sleep_until(std::int64_t ns) {
+  const timespec when{ns / 1'000'000'000, ns % 1'000'000'000};
+  while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &when, nullptr) == EINTR) {
+  }
+}
+
+/// The cables: every event goes out of the port of its channel.
+class Cables {
+ public:
+  explicit Cables(const LiveOptions& options) : options_{options}, udp_{options.udp_host} {
+    if (!options.imu_pty.empty()) imu_ = std::make_unique<PtyPort>(options.imu_pty);
+    if (!options.gps_pty.empty()) gps_ = std::make_unique<PtyPort>(options.gps_pty);
+  }
+
+  void send(const WireEvent& event) {
+    bool sent = true;
+    switch (event.channel) {
+      case Channel::kLidar: sent = udp_.send(options_.lidar_port, event.bytes); break;
+      case Channel::kPosition: sent = udp_.send(options_.position_port, event.bytes); break;
+      case Channel::kImu: sent = !imu_ || imu_->write(event.bytes); break;
+      case Channel::kGps: sent = !gps_ || gps_->write(event.bytes); break;
+    }
+    unread_ += sent ? 0 : 1;
+  }
+  std::uint64_t unread() const { return unread_; }
+
+ private:
+  LiveOptions options_;
+  UdpSender udp_;
+  std::unique_ptr<PtyPort> imu_, gps_;
+  std::uint64_t unread_ = 0;
+};
+
+/// Writes the truth up to the present, 100 poses a second.
+class TruthFile {
+ public:
+  TruthFile(const std::string& path, const Trajectory& trajectory, std::int64_t start_ns)
+      : file_{path.empty() ? nullptr : std::fopen(path.c_str(), "w"), &std::fclose}, trajectory_{trajectory}, start_ns_{start_ns} {
+    if (!path.empty() && !file_) throw std::runtime_error(path + ": " + std::strerror(errno));
+  }
+  void write_until(double t) {
+    if (!file_) return;
+    for (; static_cast<double>(count_) * 0.01 <= t + 1e-9; ++count_) {
+      write_tum_line(file_.get(), start_ns_ + count_ * 10'000'000, trajectory_.pose_at(static_cast<double>(count_) * 0.01));
+    }
+    std::fflush(file_.get());
+  }
+
+ private:
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+  const Trajectory& trajectory_;
+  std::int64_t start_ns_;
+  std::int64_t count_ = 0;
+};
+
+}  // namespace
+
+int run_live(const Options& options) {
+  StopSignals stop;
+  Cables cables{options.live_options};
+  Simulation simulation{options.drive};
+  const double duration = simulation.duration();
+  SliceQueue queue{simulation, kAhead};
+  queue.wait_for(kReady);
+  const std::int64_t start_ns = now_ns() + std::llround(options.live_options.start_delay_s * 1e9);
+  TruthFile truth{options.live_options.truth, simulation.trajectory(), start_ns};
+  Progress progress{options.scenario, duration, options.quiet};
+  std::int64_t worst_late_ns = 0;
+  double time = 0.0;
+  for (auto slice = queue.pop(); slice && !stop.pending(); slice = queue.pop()) {
+    for (const WireEvent& event : *slice) {
+      if (stop.pending()) break;
+      sleep_until(start_ns + event.arrival_ns);
+      cables.send(event);
+      worst_late_ns = std::max(worst_late_ns, now_ns() - start_ns - event.arrival_ns);
+      time = std::min(static_cast<double>(event.arrival_ns) * 1e-9, duration);
+      progress.show(time);
+    }
+    truth.write_until(time);
+  }
+  char summary[160];
+  std::snprintf(summary, sizeof summary, "%.1f s sent, latest packet %.2f ms late, %llu not taken by a reader%s", time,
+                static_cast<double>(worst_late_ns) * 1e-6, static_cast<unsigned long long>(cables.unread()),
+                stop.pending() ? " (interrupted)" : "");
+  progress.finish(summary);
+  return stop.pending() ? 130 : 0;
+}
+
+}  // namespace slamd::sim
