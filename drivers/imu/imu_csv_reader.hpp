@@ -17,7 +17,7 @@ namespace slamd {
 /// Format: t_ns,gx_rads,gy_rads,gz_rads,ax_mps2,ay_mps2,az_mps2,temp_c with one header line; temp_c may be missing.
 class ImuCsvReader {
  public:
-  static constexpr std::size_t kPrimeSamples = 400;
+  static constexpr std::size_t kPrimeSamples = 2000;
 
   struct Stats {
     std::uint64_t samples = 0;
