@@ -6,6 +6,8 @@ namespace slamd {
 namespace {
 
 constexpr Duration kDay = std::chrono::hours{24};
+constexpr int kPauses = 4;  // silence of a quarter of the period parts two cycles
+constexpr Duration kMaxPeriod = std::chrono::seconds{2};
 constexpr Duration kLateLimit = std::chrono::seconds{5};  // further back is not late: the receiver's clock was set
 
 /// The epoch's time, of the messages that begin an epoch. ZDA is left out: some receivers stamp it with the next pulse.
@@ -31,17 +33,19 @@ Duration ahead(Duration a, Duration b) {
 
 }  // namespace
 
-EpochAssembler::Relation EpochAssembler::relation(const NmeaMessage& message) const {
+EpochAssembler::Relation EpochAssembler::relation(const NmeaMessage& message, HostTime arrival) const {
   const std::optional<Duration> time = epoch_time(message);
-  if (!time) return carries_time(message) ? Relation::kUntimed : Relation::kSame;
+  if (!time && carries_time(message)) return Relation::kUntimed;
+  if (!time) return leading_ || arrival - epoch_.last_arrival > period_ / kPauses ? Relation::kLeading : Relation::kSame;
   if (!open_) return Relation::kNew;
   const Duration difference = ahead(epoch_.time_of_day, *time);
   if (difference == Duration::zero()) return Relation::kSame;
   return difference < Duration::zero() && difference > -kLateLimit ? Relation::kLate : Relation::kNew;
 }
 
-std::optional<GnssEpoch> EpochAssembler::close_before(const NmeaMessage& message) {
-  return relation(message) == Relation::kNew ? close() : std::nullopt;
+std::optional<GnssEpoch> EpochAssembler::close_before(const NmeaMessage& message, HostTime arrival) {
+  const Relation now = relation(message, arrival);
+  return now == Relation::kNew || now == Relation::kLeading ? close() : std::nullopt;
 }
 
 std::optional<GnssEpoch> EpochAssembler::close() {
@@ -50,11 +54,15 @@ std::optional<GnssEpoch> EpochAssembler::close() {
 }
 
 std::optional<GnssEpoch> EpochAssembler::add(const NmeaMessage& message, HostTime arrival) {
-  switch (relation(message)) {
+  switch (relation(message, arrival)) {
     case Relation::kUntimed:
       return std::nullopt;
     case Relation::kLate:
       ++late_;
+      return std::nullopt;
+    case Relation::kLeading:
+      leading_ = true;
+      merge(message);
       return std::nullopt;
     case Relation::kNew:
       open(*epoch_time(message), arrival);
@@ -73,6 +81,7 @@ std::optional<GnssEpoch> EpochAssembler::add(const NmeaMessage& message, HostTim
 /// Messages without a time that came since the last epoch was given belong to the new one.
 void EpochAssembler::open(Duration time_of_day, HostTime arrival) {
   cycle_.end_cycle();
+  if (open_ && arrival > epoch_.first_arrival) period_ = std::min(arrival - epoch_.first_arrival, kMaxPeriod);
   GnssEpoch next;
   next.time_of_day = time_of_day;
   next.first_arrival = arrival;
@@ -81,6 +90,7 @@ void EpochAssembler::open(Duration time_of_day, HostTime arrival) {
   epoch_ = next;
   open_ = true;
   given_ = false;
+  leading_ = false;
 }
 
 void EpochAssembler::merge(const NmeaMessage& message) {

@@ -24,11 +24,12 @@ struct GnssEpoch {
 };
 
 /// One thread uses an instance; no allocation. For each message call close_before() and then add(): each may complete an
-/// epoch. An epoch is complete with the sentence that usually ends the cycle, or when the next epoch begins.
+/// epoch. An epoch is complete with the sentence that usually ends the cycle, or when the next cycle begins. Sentences
+/// without a time that come after a pause belong to the next epoch, others to the running one.
 class EpochAssembler {
  public:
-  /// The running epoch, when `message` begins another one and the running one was not given yet.
-  std::optional<GnssEpoch> close_before(const NmeaMessage& message);
+  /// The running epoch, when `message` begins another cycle and the running one was not given yet.
+  std::optional<GnssEpoch> close_before(const NmeaMessage& message, HostTime arrival);
   /// Takes the message; returns the epoch that it completes.
   std::optional<GnssEpoch> add(const NmeaMessage& message, HostTime arrival);
   /// The running epoch at the end of a stream.
@@ -41,9 +42,9 @@ class EpochAssembler {
 
  private:
   static constexpr std::uint32_t kKeptEpochs = 12;
-  enum class Relation : std::uint8_t { kSame, kNew, kLate, kUntimed };
+  enum class Relation : std::uint8_t { kSame, kNew, kLeading, kLate, kUntimed };
 
-  Relation relation(const NmeaMessage& message) const;
+  Relation relation(const NmeaMessage& message, HostTime arrival) const;
   void open(Duration time_of_day, HostTime arrival);
   void merge(const NmeaMessage& message);
   GnssEpoch give();
@@ -52,6 +53,8 @@ class EpochAssembler {
   GnssEpoch epoch_;
   bool open_ = false;   // epoch_ has a time
   bool given_ = false;  // and was handed out
+  bool leading_ = false;  // sentences of the next cycle have come already
+  Duration period_ = std::chrono::seconds{1};  // between the last two epochs
   std::uint32_t gsa_age_ = 0;
   std::uint64_t repeated_ = 0;
   std::uint64_t late_ = 0;

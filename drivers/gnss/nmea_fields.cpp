@@ -16,9 +16,7 @@ std::optional<Integer> integer(std::string_view text) {
 
 /// [d]ddmm.mmmm: the last two digits before the point are minutes.
 std::optional<double> angle_deg(std::string_view value, std::size_t degree_digits, double limit_deg) {
-  if (value.size() < degree_digits + 2 || value.substr(0, degree_digits).find('.') != std::string_view::npos) {
-    return std::nullopt;
-  }
+  if (value.size() < degree_digits + 2 || value.find_first_not_of("0123456789") < degree_digits + 2) return std::nullopt;
   const std::optional<unsigned> degrees = integer<unsigned>(value.substr(0, degree_digits));
   const std::optional<double> minutes = non_negative(value.substr(degree_digits));
   if (!degrees || !minutes || *minutes >= 60.0) return std::nullopt;
@@ -40,6 +38,7 @@ std::optional<std::chrono::sys_days> valid_date(int year, unsigned month, unsign
 
 std::optional<double> number(std::string_view field) {
   if (field.empty() || field.find_first_not_of("0123456789.-+") != std::string_view::npos) return std::nullopt;
+  if (field.starts_with("+-")) return std::nullopt;
   if (field.front() == '+') field.remove_prefix(1);
   double value = 0.0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value, std::chars_format::fixed);

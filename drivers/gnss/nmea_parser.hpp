@@ -42,7 +42,7 @@ class NmeaParser {
       const std::optional<NmeaSentence> sentence = tokenizer_.take(byte);
       const std::optional<NmeaMessage> message = sentence ? decode(*sentence) : std::nullopt;
       if (!message) continue;
-      if (const auto fix = make_fix(epochs_.close_before(*message))) sink(*fix);
+      if (const auto fix = make_fix(epochs_.close_before(*message, arrival))) sink(*fix);
       if (const auto fix = make_fix(epochs_.add(*message, arrival))) sink(*fix);
     }
   }
