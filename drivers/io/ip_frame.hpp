@@ -1,6 +1,6 @@
 #pragma once
-// Finds the UDP datagram inside a captured link-layer frame. Pure functions over bytes; reassembles nothing and checks no
-// checksum (capture files often hold offloaded ones).
+// Finds the UDP datagram inside a captured link-layer frame. Pure functions over bytes; reassembles nothing and checks
+// no checksum (capture files often hold offloaded ones).
 
 #include <cstdint>
 #include <span>

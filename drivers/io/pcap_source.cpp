@@ -29,18 +29,27 @@ bool read_stamp(const pcap_pkthdr& header, HostTime& stamp) {
 
 const char* name(PcapRejection cause) {
   switch (cause) {
-    case PcapRejection::kNotIp: return "not_ip";
-    case PcapRejection::kNotUdp: return "not_udp";
-    case PcapRejection::kFragment: return "fragment";
-    case PcapRejection::kCutCapture: return "cut_capture";
-    case PcapRejection::kBadHeader: return "bad_header";
-    case PcapRejection::kBadStamp: return "bad_stamp";
-    case PcapRejection::kCount: break;
+    case PcapRejection::kNotIp:
+      return "not_ip";
+    case PcapRejection::kNotUdp:
+      return "not_udp";
+    case PcapRejection::kFragment:
+      return "fragment";
+    case PcapRejection::kCutCapture:
+      return "cut_capture";
+    case PcapRejection::kBadHeader:
+      return "bad_header";
+    case PcapRejection::kBadStamp:
+      return "bad_stamp";
+    case PcapRejection::kCount:
+      break;
   }
   return "none";
 }
 
-void PcapSource::Closer::operator()(pcap* handle) const { pcap_close(handle); }
+void PcapSource::Closer::operator()(pcap* handle) const {
+  pcap_close(handle);
+}
 
 PcapSource::PcapSource(pcap* handle, std::uint64_t bytes_total)
     : handle_{handle}, link_type_{pcap_datalink(handle)}, bytes_total_{bytes_total} {

@@ -16,12 +16,12 @@ namespace slamd {
 
 /// Why a captured frame gave no datagram.
 enum class PcapRejection : std::uint8_t {
-  kNotIp,        // ARP, LLDP, ...
-  kNotUdp,       // TCP, ICMP, ...
-  kFragment,     // a part of a fragmented datagram; sensors do not fragment
-  kCutCapture,   // the capture kept fewer bytes than the frame had
-  kBadHeader,    // lengths or versions of the headers contradict each other
-  kBadStamp,     // outside what 64 bits of nanoseconds hold
+  kNotIp,       // ARP, LLDP, ...
+  kNotUdp,      // TCP, ICMP, ...
+  kFragment,    // a part of a fragmented datagram; sensors do not fragment
+  kCutCapture,  // the capture kept fewer bytes than the frame had
+  kBadHeader,   // lengths or versions of the headers contradict each other
+  kBadStamp,    // outside what 64 bits of nanoseconds hold
   kCount
 };
 const char* name(PcapRejection cause);
@@ -30,7 +30,7 @@ struct PcapStats {
   std::uint64_t frames = 0;   // whole frames in the file so far
   std::uint64_t packets = 0;  // datagrams handed out
   CauseCounters<PcapRejection> rejections;
-  bool damaged = false;               // the file ended inside a record or a record made no sense
+  bool damaged = false;                // the file ended inside a record or a record made no sense
   std::uint64_t unreadable_bytes = 0;  // from the last whole record to the file's end; only when damaged
 };
 
@@ -44,8 +44,8 @@ class PcapSource {
   /// The same for an open stream, which is closed in every case.
   [[nodiscard]] static Result<PcapSource> open(std::FILE* file);
 
-  /// The next UDP datagram, whatever its ports; null at the end. What it borrows stays valid until the next call. A file
-  /// that breaks off gives all its whole packets and then ends, with stats().damaged set.
+  /// The next UDP datagram, whatever its ports; null at the end. What it borrows stays valid until the next call. A
+  /// file that breaks off gives all its whole packets and then ends, with stats().damaged set.
   const UdpPacket* next();
 
   const PcapStats& stats() const { return stats_; }

@@ -6,8 +6,8 @@
 namespace slamd {
 namespace {
 
-constexpr std::int64_t kStepNs = 100'000;             // beyond any error of reading the clocks one after the other
-constexpr std::int64_t kTightReadNs = 5'000;          // a longer bracket means we were interrupted between the readings
+constexpr std::int64_t kStepNs = 100'000;     // beyond any error of reading the clocks one after the other
+constexpr std::int64_t kTightReadNs = 5'000;  // a longer bracket means we were interrupted between the readings
 constexpr int kReadAttempts = 3;
 constexpr std::int64_t kOldestStampNs = 10'000'000'000;  // a full receive buffer holds less
 

@@ -16,8 +16,8 @@ class ReceiveClock {
   /// The same with given readings: realtime and monotonic nanoseconds of one instant.
   void sample(std::int64_t realtime_ns, HostTime now);
 
-  /// When a datagram of the batch arrived. Nothing when the stamp does not lie in the recent past, or when the wall clock was
-  /// set since the sample before this one: then its stamp may be of either side of the step.
+  /// When a datagram of the batch arrived. Nothing when the stamp does not lie in the recent past, or when the wall
+  /// clock was set since the sample before this one: then its stamp may be of either side of the step.
   std::optional<HostTime> arrival(std::int64_t realtime_stamp_ns) const;
 
   HostTime now() const { return now_; }

@@ -103,7 +103,8 @@ void UdpSource::Batch::accept(std::size_t i) {
   const Slot& slot = slots[i];
   const Ancillary ancillary = read_ancillary(header);
   if (ancillary.overflow_total) {
-    stats.overflowed += *ancillary.overflow_total - overflow_total;  // the kernel's counter wraps at 32 bits, as this does
+    stats.overflowed +=
+        *ancillary.overflow_total - overflow_total;  // the kernel's counter wraps at 32 bits, as this does
     overflow_total = *ancillary.overflow_total;
   }
   if (only_source && slot.source.sin_addr.s_addr != only_source->s_addr) {
@@ -117,7 +118,8 @@ void UdpSource::Batch::accept(std::size_t i) {
   std::optional<HostTime> arrival;
   if (ancillary.realtime_ns) arrival = clock.arrival(*ancillary.realtime_ns);
   if (!arrival) ++stats.unstamped;
-  newest_arrival = std::max(newest_arrival, arrival.value_or(clock.now()));  // several receive queues may disagree by a little
+  newest_arrival =
+      std::max(newest_arrival, arrival.value_or(clock.now()));  // several receive queues may disagree by a little
 
   const auto octets = std::bit_cast<std::array<std::uint8_t, 4>>(slot.source.sin_addr.s_addr);
   packets[packet_count++] = {std::span{slot.payload.data(), headers[i].msg_len}, newest_arrival, ipv4_address(octets),
@@ -153,7 +155,8 @@ Result<UdpSource> UdpSource::open(const UdpSourceConfig& config) {
   if (!enable(fd, SO_RXQ_OVFL)) return Error{"the kernel does not count receive overflows"};
   const auto* generic = reinterpret_cast<const sockaddr*>(&address);
   if (bind(fd, generic, sizeof address) != 0) {
-    return Error{errno == EADDRINUSE ? "the UDP port is in use" : "cannot bind: no such address here, or no permission"};
+    return Error{errno == EADDRINUSE ? "the UDP port is in use"
+                                     : "cannot bind: no such address here, or no permission"};
   }
   socklen_t length = sizeof address;
   getsockname(fd, reinterpret_cast<sockaddr*>(&address), &length);
@@ -181,8 +184,12 @@ std::span<const UdpPacket> UdpSource::receive(Duration timeout) {
   return {b.packets.data(), b.packet_count};
 }
 
-const UdpStats& UdpSource::stats() const { return batch_->stats; }
-std::uint16_t UdpSource::port() const { return batch_->port; }
+const UdpStats& UdpSource::stats() const {
+  return batch_->stats;
+}
+std::uint16_t UdpSource::port() const {
+  return batch_->port;
+}
 
 int UdpSource::receive_buffer_bytes() const {
   int bytes = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// Receives UDP datagrams of one port in batches, each with the kernel's receive stamp in host time. It runs no thread and
-// understands no payload. IPv4 only: the sensors it is for speak nothing else.
+// Receives UDP datagrams of one port in batches, each with the kernel's receive stamp in host time. It runs no thread
+// and understands no payload. IPv4 only: the sensors it is for speak nothing else.
 
 #include <cstddef>
 #include <cstdint>
@@ -21,17 +21,17 @@ struct UdpSourceConfig {
 };
 
 struct UdpStats {
-  std::uint64_t packets = 0;       // handed out
-  std::uint64_t foreign = 0;       // dropped: not from the configured source address
-  std::uint64_t oversized = 0;     // dropped: longer than any sensor's packet
-  std::uint64_t overflowed = 0;    // dropped by the kernel because we were late (SO_RXQ_OVFL)
-  std::uint64_t unstamped = 0;     // arrival is the time of the call: no kernel stamp, or one that a clock step spoiled
-  std::uint64_t errors = 0;        // receive calls that failed
+  std::uint64_t packets = 0;     // handed out
+  std::uint64_t foreign = 0;     // dropped: not from the configured source address
+  std::uint64_t oversized = 0;   // dropped: longer than any sensor's packet
+  std::uint64_t overflowed = 0;  // dropped by the kernel because we were late (SO_RXQ_OVFL)
+  std::uint64_t unstamped = 0;   // arrival is the time of the call: no kernel stamp, or one that a clock step spoiled
+  std::uint64_t errors = 0;      // receive calls that failed
 };
 
-/// One bound socket. One thread; receive() allocates nothing. Kernel stamps are CLOCK_REALTIME; they are carried over to
-/// CLOCK_MONOTONIC by the offset between the two, read at the same call. Both clocks are slewed alike, so the offset only
-/// changes when the wall clock is set; datagrams that waited across such a step get the time of the call instead.
+/// One bound socket. One thread; receive() allocates nothing. Kernel stamps are CLOCK_REALTIME; they are carried over
+/// to CLOCK_MONOTONIC by the offset between the two, read at the same call. Both clocks are slewed alike, so the offset
+/// only changes when the wall clock is set; datagrams that waited across such a step get the time of the call instead.
 class UdpSource {
  public:
   static constexpr std::size_t kBatch = 32;
@@ -43,8 +43,9 @@ class UdpSource {
   UdpSource& operator=(UdpSource&&) noexcept;
   ~UdpSource();
 
-  /// Waits at most `timeout` for the first datagram, then takes what is there, at most kBatch. Empty after the timeout, or
-  /// when all were dropped. In order of reception, arrivals never go back; what they borrow is valid until the next call.
+  /// Waits at most `timeout` for the first datagram, then takes what is there, at most kBatch. Empty after the timeout,
+  /// or when all were dropped. In order of reception, arrivals never go back; what they borrow is valid until the next
+  /// call.
   std::span<const UdpPacket> receive(Duration timeout);
 
   const UdpStats& stats() const;

@@ -19,8 +19,9 @@ struct Laser {
 
 /// In order of firing. Source: VLP-16 User Manual, table 9-1 (elevation and vertical correction).
 std::array<Laser, kVlp16Lasers> make_lasers() {
-  constexpr std::array<double, kVlp16Lasers> kElevationDeg = {-15, 1, -13, 3, -11, 5, -9, 7, -7, 9, -5, 11, -3, 13, -1, 15};
-  constexpr std::array<double, kVlp16Lasers> kHeightMm = {11.2, -0.7, 9.7,  -2.2, 8.1, -3.7, 6.6, -5.1,
+  constexpr std::array<double, kVlp16Lasers> kElevationDeg = {-15, 1, -13, 3,  -11, 5,  -9, 7,
+                                                              -7,  9, -5,  11, -3,  13, -1, 15};
+  constexpr std::array<double, kVlp16Lasers> kHeightMm = {11.2, -0.7, 9.7, -2.2, 8.1, -3.7, 6.6, -5.1,
                                                           5.1,  -6.6, 3.7, -8.1, 2.2, -9.7, 0.7, -11.2};
   std::array<Laser, kVlp16Lasers> lasers{};
   for (std::size_t i = 0; i < kVlp16Lasers; ++i) {
@@ -82,7 +83,8 @@ const LidarPacket* Vlp16Decoder::refuse(Vlp16Rejection cause) {
   return nullptr;
 }
 
-/// The block's azimuth is turned on by each channel's small angle with sin and cos to third order: 1e-9 rad off at 1200 rpm.
+/// The block's azimuth is turned on by each channel's small angle with sin and cos to third order: 1e-9 rad off at 1200
+/// rpm.
 Vlp16Decoder::Beams Vlp16Decoder::aim(float azimuth_cdeg, float step_cdeg) {
   const auto s = static_cast<float>(std::sin(azimuth_cdeg * kRadPerCdeg));
   const auto c = static_cast<float>(std::cos(azimuth_cdeg * kRadPerCdeg));
@@ -95,7 +97,8 @@ Vlp16Decoder::Beams Vlp16Decoder::aim(float azimuth_cdeg, float step_cdeg) {
     beams.cos_azimuth[i] = c * cos_d - s * sin_d;
     beams.sin_azimuth[i] = s * cos_d + c * sin_d;
     const int rounded = static_cast<int>(azimuth_cdeg + step_cdeg * kShares[i] + 0.5F);
-    beams.azimuth_cdeg[i] = static_cast<std::uint16_t>(rounded >= kFullCircleCdeg ? rounded - kFullCircleCdeg : rounded);
+    beams.azimuth_cdeg[i] =
+        static_cast<std::uint16_t>(rounded >= kFullCircleCdeg ? rounded - kFullCircleCdeg : rounded);
   }
   return beams;
 }

@@ -24,10 +24,11 @@ inline ClockSync::Config vlp16_clock() {
 }
 
 struct Vlp16Config {
-  double min_range_m = 0.5;  // nearer returns are the sensor's own window, its mount or the roof it stands on
+  double min_range_m = 0.5;    // nearer returns are the sensor's own window, its mount or the roof it stands on
   double max_range_m = 130.0;  // the wire format ends at 131.07 m
   Vlp16RotationLimits rotation;
-  Duration stamp_tolerance = std::chrono::milliseconds{250};  // stamp's advance against arrival's; arrivals stall, stamps do not
+  Duration stamp_tolerance =
+      std::chrono::milliseconds{250};  // stamp's advance against arrival's; arrivals stall, stamps do not
   ClockSync::Config clock = vlp16_clock();
 };
 
@@ -41,18 +42,20 @@ struct Vlp16Stats {
   CauseCounters<Vlp16Rejection> rejections;
 };
 
-/// Frame of the points: x = azimuth 0, y = azimuth 270 degrees (left; azimuth runs clockwise seen from above), z up; origin
-/// at the optical centre. The manual's own axes are other ones: x_ours = Y_manual, y_ours = -X_manual.
-/// One thread. No allocation after construction.
+/// Frame of the points: x = azimuth 0, y = azimuth 270 degrees (left; azimuth runs clockwise seen from above), z up;
+/// origin at the optical centre. The manual's own axes are other ones: x_ours = Y_manual, y_ours = -X_manual. One
+/// thread. No allocation after construction.
 class Vlp16Decoder {
  public:
   explicit Vlp16Decoder(const Vlp16Config& config);
 
   /// payload   of one UDP packet of the data port, any bytes
   /// arrival   when the host received it; packets come in this order
-  /// Returns the packet's points in order of firing, or null when it was refused (see stats() and last_rejection()). Valid
-  ///         until the next call. In dual-return mode a pair of equal returns gives one point; of two different ones the
-  ///         brighter has return_index 0 (at equal brightness that of the odd block, which the sensor calls strongest).
+  /// Returns the packet's points in order of firing, or null when it was refused (see stats() and last_rejection()).
+  /// Valid
+  ///         until the next call. In dual-return mode a pair of equal returns gives one point; of two different ones
+  ///         the brighter has return_index 0 (at equal brightness that of the odd block, which the sensor calls
+  ///         strongest).
   const LidarPacket* decode(std::span<const std::uint8_t> payload, HostTime arrival);
 
   const Vlp16Stats& stats() const { return stats_; }

@@ -21,48 +21,54 @@ struct CauseText {
   const char* sentence;
 };
 
-CauseText text(Vlp16Rejection cause) {
-  using enum Vlp16Rejection;
-  switch (cause) {
-    case kWrongSize: return {"wrong_size", "not a VLP-16 data packet: the payload is not 1206 bytes long"};
-    case kPositionPacket: return {"position_packet", "a VLP-16 position packet on the data port: check the port numbers"};
-    case kHdl32e: return {"hdl_32e", "the sensor is a Velodyne HDL-32E (product byte 0x21), not a VLP-16"};
-    case kHdl64e: return {"hdl_64e", "the packet has lower-block flags (0xDDFF): a Velodyne HDL-64E, not a VLP-16"};
-    case kPuckHiRes: return {"puck_hi_res", "the sensor is a Velodyne Puck Hi-Res (product byte 0x24), not a VLP-16"};
-    case kVlp32c: return {"vlp_32c", "the sensor is a Velodyne VLP-32C (product byte 0x28), not a VLP-16"};
-    case kVls128: return {"vls_128", "the sensor is a Velodyne VLS-128 (product byte 0xA1), not a VLP-16"};
-    case kVelarray: return {"velarray", "the sensor is a Velodyne Velarray (product byte 0x31), not a VLP-16"};
-    case kUnknownModel: return {"unknown_model", "the product byte names no known Velodyne model; VLP-16 has 0x22"};
-    case kReturnMode: return {"return_mode", "the return mode is none of strongest, last and dual"};
-    case kBlockFlag: return {"block_flag", "a data block does not begin with the flag 0xEEFF"};
-    case kAzimuthRange: return {"azimuth_range", "a block's azimuth is 360 degrees or more"};
-    case kStampRange: return {"stamp_range", "the time stamp is one hour or more"};
-    case kPairMismatch: return {"pair_mismatch", "the blocks of a dual-return pair have different azimuths"};
-    case kStopped: return {"stopped", "the sensor turns slower than allowed, or stands"};
-    case kTooFast: return {"too_fast", "the sensor turns faster than allowed"};
-    case kAzimuthJump: return {"azimuth_jump", "the azimuth does not advance evenly"};
-    case kOutOfOrder: return {"out_of_order", "the packet is repeated or late"};
-    case kStampJump: return {"stamp_jump", "the time stamp contradicts the packet's arrival"};
-    case kCount: break;
-  }
-  return {"none", "accepted"};
-}
+/// In the order of Vlp16Rejection.
+constexpr std::array<CauseText, static_cast<std::size_t>(Vlp16Rejection::kCount) + 1> kTexts = {{
+    {"wrong_size", "not a VLP-16 data packet: the payload is not 1206 bytes long"},
+    {"position_packet", "a VLP-16 position packet on the data port: check the port numbers"},
+    {"hdl_32e", "the sensor is a Velodyne HDL-32E (product byte 0x21), not a VLP-16"},
+    {"hdl_64e", "the packet has lower-block flags (0xDDFF): a Velodyne HDL-64E, not a VLP-16"},
+    {"puck_hi_res", "the sensor is a Velodyne Puck Hi-Res (product byte 0x24), not a VLP-16"},
+    {"vlp_32c", "the sensor is a Velodyne VLP-32C (product byte 0x28), not a VLP-16"},
+    {"vls_128", "the sensor is a Velodyne VLS-128 (product byte 0xA1), not a VLP-16"},
+    {"velarray", "the sensor is a Velodyne Velarray (product byte 0x31), not a VLP-16"},
+    {"unknown_model", "the product byte names no known Velodyne model; VLP-16 has 0x22"},
+    {"return_mode", "the return mode is none of strongest, last and dual"},
+    {"block_flag", "a data block does not begin with the flag 0xEEFF"},
+    {"azimuth_range", "a block's azimuth is 360 degrees or more"},
+    {"stamp_range", "the time stamp is one hour or more"},
+    {"pair_mismatch", "the blocks of a dual-return pair have different azimuths"},
+    {"stopped", "the sensor turns slower than allowed, or stands"},
+    {"too_fast", "the sensor turns faster than allowed"},
+    {"azimuth_jump", "the azimuth does not advance evenly"},
+    {"out_of_order", "the packet is repeated or late"},
+    {"stamp_jump", "the time stamp contradicts the packet's arrival"},
+    {"none", "accepted"},
+}};
 
 /// kCount for a VLP-16.
 Vlp16Rejection model_of(std::uint8_t product) {
   using enum Vlp16Rejection;
   switch (product) {
-    case kProductVlp16: return kCount;
-    case 0x21: return kHdl32e;
-    case 0x24: return kPuckHiRes;
-    case 0x28: return kVlp32c;
-    case 0x31: return kVelarray;
-    case 0xA1: return kVls128;
-    default: return kUnknownModel;
+    case kProductVlp16:
+      return kCount;
+    case 0x21:
+      return kHdl32e;
+    case 0x24:
+      return kPuckHiRes;
+    case 0x28:
+      return kVlp32c;
+    case 0x31:
+      return kVelarray;
+    case 0xA1:
+      return kVls128;
+    default:
+      return kUnknownModel;
   }
 }
 
-bool is_return_mode(std::uint8_t mode) { return mode >= 0x37 && mode <= 0x39; }
+bool is_return_mode(std::uint8_t mode) {
+  return mode >= 0x37 && mode <= 0x39;
+}
 
 /// Flags and azimuths of all blocks.
 Vlp16Rejection read_blocks(Vlp16Packet& packet) {
@@ -79,8 +85,8 @@ Vlp16Rejection read_blocks(Vlp16Packet& packet) {
   return Vlp16Rejection::kCount;
 }
 
-/// An HDL-64E sends no model byte (its last bytes cycle through status values, 0x22 too), but every second block is of its
-/// lower lasers and flagged so.
+/// An HDL-64E sends no model byte (its last bytes cycle through status values, 0x22 too), but every second block is of
+/// its lower lasers and flagged so.
 bool has_lower_blocks(std::span<const std::uint8_t, kVlp16PacketBytes> bytes) {
   ByteReader reader{bytes.subspan(kBlockBytes, 2)};
   return reader.u16_le() == kLowerBlockFlag;
@@ -88,8 +94,12 @@ bool has_lower_blocks(std::span<const std::uint8_t, kVlp16PacketBytes> bytes) {
 
 }  // namespace
 
-const char* name(Vlp16Rejection cause) { return text(cause).name; }
-const char* explain(Vlp16Rejection cause) { return text(cause).sentence; }
+const char* name(Vlp16Rejection cause) {
+  return kTexts[static_cast<std::size_t>(cause)].name;
+}
+const char* explain(Vlp16Rejection cause) {
+  return kTexts[static_cast<std::size_t>(cause)].sentence;
+}
 
 Vlp16Parsed parse_vlp16(std::span<const std::uint8_t> payload) {
   static constexpr std::array<std::uint8_t, kVlp16PacketBytes> kNoBytes{};
@@ -120,10 +130,14 @@ Vlp16Parsed parse_vlp16(std::span<const std::uint8_t> payload) {
 
 const char* name(PpsState state) {
   switch (state) {
-    case PpsState::kAbsent: return "absent";
-    case PpsState::kSynchronising: return "synchronising";
-    case PpsState::kLocked: return "locked";
-    case PpsState::kError: return "error";
+    case PpsState::kAbsent:
+      return "absent";
+    case PpsState::kSynchronising:
+      return "synchronising";
+    case PpsState::kLocked:
+      return "locked";
+    case PpsState::kError:
+      return "error";
   }
   return "unknown";
 }

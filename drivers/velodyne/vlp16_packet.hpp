@@ -1,6 +1,6 @@
 #pragma once
-// The bytes of VLP-16 data and position packets: checked, then read in place. No time, no angle and no point is computed
-// here (vlp16_decoder does). Source: VLP-16 User Manual 63-9243 Rev. E, chapter 9.
+// The bytes of VLP-16 data and position packets: checked, then read in place. No time, no angle and no point is
+// computed here (vlp16_decoder does). Source: VLP-16 User Manual 63-9243 Rev. E, chapter 9.
 
 #include <array>
 #include <cstddef>
@@ -58,7 +58,7 @@ struct Vlp16Return {
 struct Vlp16Packet {
   std::span<const std::uint8_t, kVlp16PacketBytes> bytes;
   Vlp16ReturnMode mode;
-  std::uint32_t stamp_us;                              // of the first firing, past the hour
+  std::uint32_t stamp_us;                                // of the first firing, past the hour
   std::array<std::uint16_t, kVlp16Blocks> azimuth_cdeg;  // of each block's first firing, 0..35999
 
   /// block 0..11, channel 0..31 (two firing sequences of 16 lasers).
@@ -87,8 +87,8 @@ struct Vlp16Position {
   std::string_view nmea;  // without the line end; borrows the payload; empty when the sensor has no receiver
 };
 
-/// Reads the payload of a position packet (port 8308). Fails on another size, a stamp of an hour or more, or an unknown PPS state;
-/// the sentence is passed on as it is (drivers/gnss checks it).
+/// Reads the payload of a position packet (port 8308). Fails on another size, a stamp of an hour or more, or an unknown
+/// PPS state; the sentence is passed on as it is (drivers/gnss checks it).
 Result<Vlp16Position> parse_vlp16_position(std::span<const std::uint8_t> payload);
 
 }  // namespace slamd

@@ -7,12 +7,14 @@
 namespace slamd {
 namespace {
 
-// Real heads stay within 2 cdeg of their mean step (measured on the recordings of tests/drivers); a quarter of the step is
-// left for simulators and speed regulation.
+// Real heads stay within 2 cdeg of their mean step (measured on the recordings of tests/drivers); a quarter of the step
+// is left for simulators and speed regulation.
 constexpr float kEvenStepCdeg = 10.0F;
 constexpr float kEvenStepShare = 0.25F;
 
-double rpm_of_step(double step_cdeg) { return step_cdeg / kFullCircleCdeg / to_seconds(kVlp16Block) * 60.0; }
+double rpm_of_step(double step_cdeg) {
+  return step_cdeg / kFullCircleCdeg / to_seconds(kVlp16Block) * 60.0;
+}
 
 }  // namespace
 

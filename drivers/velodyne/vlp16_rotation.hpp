@@ -1,6 +1,6 @@
 #pragma once
-// How the VLP-16's mirror-less head turns inside one packet: the azimuth step of each block, and whether it is believable.
-// Knows nothing of time stamps or points.
+// How the VLP-16's mirror-less head turns inside one packet: the azimuth step of each block, and whether it is
+// believable. Knows nothing of time stamps or points.
 
 #include <array>
 #include <cstddef>
@@ -11,7 +11,7 @@
 namespace slamd {
 
 struct Vlp16RotationLimits {
-  double min_rpm = 270.0;   // the sensor does 300 to 1200; 10 % is left for its regulation
+  double min_rpm = 270.0;  // the sensor does 300 to 1200; 10 % is left for its regulation
   double max_rpm = 1320.0;
 };
 
@@ -29,9 +29,9 @@ struct Vlp16RotationFound {
   Vlp16Rotation rotation;
 };
 
-/// Steps are taken across the 35999/0 seam. The last block has no successor in the packet; it gets the packet's mean step,
-/// whose error (readings jitter by 0.02 degrees) is an eleventh of the last step's. Refuses kStopped, kTooFast, and steps
-/// far from the mean (kAzimuthJump). Pure.
+/// Steps are taken across the 35999/0 seam. The last block has no successor in the packet; it gets the packet's mean
+/// step, whose error (readings jitter by 0.02 degrees) is an eleventh of the last step's. Refuses kStopped, kTooFast,
+/// and steps far from the mean (kAzimuthJump). Pure.
 Vlp16RotationFound find_rotation(const Vlp16Packet& packet, const Vlp16RotationLimits& limits);
 
 /// Difference a - b of two azimuths on the circle, -18000 <= d < 18000 hundredths of a degree.

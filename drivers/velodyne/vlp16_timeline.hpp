@@ -15,7 +15,7 @@ namespace slamd {
 struct Vlp16Arrival {
   DeviceTime begin;  // first firing, unwrapped
   HostTime arrival;
-  float azimuth_cdeg = 0.0F;         // of the first firing
+  float azimuth_cdeg = 0.0F;  // of the first firing
   float rate_cdeg_per_ns = 0.0F;
 };
 
@@ -32,8 +32,8 @@ class Vlp16Timeline {
   explicit Vlp16Timeline(Duration tolerance) : tolerance_{tolerance} {}
 
   /// Judges the next packet in order of arrival. A stamp that contradicts the arrival is refused once (kStampJump) and
-  /// believed when the following packet goes on from it, so that a corrupted stamp costs one packet and a set clock too.
-  /// An azimuth that does not continue the packet before is refused (kAzimuthJump) while that packet is recent.
+  /// believed when the following packet goes on from it, so that a corrupted stamp costs one packet and a set clock
+  /// too. An azimuth that does not continue the packet before is refused (kAzimuthJump) while that packet is recent.
   Vlp16Admission admit(std::uint32_t stamp_us, Duration span, HostTime arrival, const Vlp16Rotation& rotation);
 
  private:

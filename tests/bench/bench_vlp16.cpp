@@ -30,7 +30,8 @@ class Packets {
     for (std::size_t block = 0; block < 12; ++block) {
       std::uint8_t* at = &packet[block * 100];
       const std::size_t azimuth = 40 * (index * blocks + (dual_ ? block / 2 : block)) % 36000;
-      const std::array<std::uint8_t, 4> head = {0xFF, 0xEE, static_cast<std::uint8_t>(azimuth), static_cast<std::uint8_t>(azimuth >> 8)};
+      const std::array<std::uint8_t, 4> head = {0xFF, 0xEE, static_cast<std::uint8_t>(azimuth),
+                                                static_cast<std::uint8_t>(azimuth >> 8)};
       std::copy(head.begin(), head.end(), at);
       for (std::size_t channel = 0; channel < 32; ++channel) {
         const std::size_t distance = 1000 + 37 * channel + 501 * block;
@@ -57,7 +58,8 @@ void decode(benchmark::State& state, std::uint8_t mode) {
     benchmark::DoNotOptimize(decoder.decode(packets.at(i++, stamp_ns / 1000), arrival));
   }
   if (decoder.stats().accepted != decoder.stats().received) state.SkipWithError("packets were refused");
-  state.counters["points"] = static_cast<double>(decoder.stats().points) / static_cast<double>(decoder.stats().received);
+  state.counters["points"] =
+      static_cast<double>(decoder.stats().points) / static_cast<double>(decoder.stats().received);
 }
 BENCHMARK_CAPTURE(decode, single_return, 0x37);
 BENCHMARK_CAPTURE(decode, dual_return, 0x39);

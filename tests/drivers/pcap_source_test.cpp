@@ -19,17 +19,23 @@ Bytes operator+(Bytes a, const Bytes& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
 }
-Bytes be16(unsigned v) { return {static_cast<std::uint8_t>(v >> 8U), static_cast<std::uint8_t>(v)}; }
+Bytes be16(unsigned v) {
+  return {static_cast<std::uint8_t>(v >> 8U), static_cast<std::uint8_t>(v)};
+}
 Bytes le32(std::uint32_t v) {
   return {static_cast<std::uint8_t>(v), static_cast<std::uint8_t>(v >> 8U), static_cast<std::uint8_t>(v >> 16U),
           static_cast<std::uint8_t>(v >> 24U)};
 }
-unsigned size(const Bytes& b) { return static_cast<unsigned>(b.size()); }
+unsigned size(const Bytes& b) {
+  return static_cast<unsigned>(b.size());
+}
 
 const Bytes kPayload = {'s', 'l', 'a', 'm', 'd'};
 const Bytes kMacs(12, 0x02);
 
-Bytes udp(const Bytes& payload = kPayload) { return be16(443) + be16(2368) + be16(size(payload) + 8) + be16(0) + payload; }
+Bytes udp(const Bytes& payload = kPayload) {
+  return be16(443) + be16(2368) + be16(size(payload) + 8) + be16(0) + payload;
+}
 Bytes ipv4(const Bytes& body, unsigned fragment = 0x4000, std::uint8_t protocol = 17) {
   return Bytes{0x45, 0} + be16(20 + size(body)) + be16(7) + be16(fragment) + Bytes{64, protocol, 0, 0} +
          Bytes{192, 168, 1, 201} + Bytes{255, 255, 255, 255} + body;
@@ -37,7 +43,9 @@ Bytes ipv4(const Bytes& body, unsigned fragment = 0x4000, std::uint8_t protocol 
 Bytes ipv6(const Bytes& body, std::uint8_t next = 17) {
   return Bytes{0x60, 0, 0, 0} + be16(size(body)) + Bytes{next, 64} + Bytes(16, 0xFD) + Bytes(16, 0xFE) + body;
 }
-Bytes ethernet(const Bytes& ip, unsigned type = 0x0800) { return kMacs + be16(type) + ip; }
+Bytes ethernet(const Bytes& ip, unsigned type = 0x0800) {
+  return kMacs + be16(type) + ip;
+}
 
 struct Record {
   Bytes frame;
@@ -47,10 +55,11 @@ struct Record {
 };
 
 Bytes pcap_file(int link, std::initializer_list<Record> records, std::uint32_t magic = 0xA1B2C3D4) {
-  Bytes file = le32(magic) + Bytes{2, 0, 4, 0} + le32(0) + le32(0) + le32(65535) + le32(static_cast<std::uint32_t>(link));
+  Bytes file =
+      le32(magic) + Bytes{2, 0, 4, 0} + le32(0) + le32(0) + le32(65535) + le32(static_cast<std::uint32_t>(link));
   for (const Record& r : records) {
-    file = file + le32(r.seconds) + le32(r.fraction) + le32(size(r.frame)) + le32(r.original_length.value_or(size(r.frame))) +
-           r.frame;
+    file = file + le32(r.seconds) + le32(r.fraction) + le32(size(r.frame)) +
+           le32(r.original_length.value_or(size(r.frame))) + r.frame;
   }
   return file;
 }
@@ -65,12 +74,15 @@ Bytes pcapng_file(int link, const Bytes& frame, std::uint64_t stamp_ns) {
   const Bytes section = block(0x0A0D0D0A, le32(0x1A2B3C4D) + Bytes{1, 0, 0, 0} + Bytes(8, 0xFF));
   const Bytes options = Bytes{9, 0, 1, 0, 9, 0, 0, 0} + le32(0);
   const Bytes interface = block(1, Bytes{static_cast<std::uint8_t>(link), 0, 0, 0} + le32(65535) + options);
-  const Bytes packet = block(6, le32(0) + le32(static_cast<std::uint32_t>(stamp_ns >> 32U)) +
-                                    le32(static_cast<std::uint32_t>(stamp_ns)) + le32(size(frame)) + le32(size(frame)) + padded);
+  const Bytes packet =
+      block(6, le32(0) + le32(static_cast<std::uint32_t>(stamp_ns >> 32U)) +
+                   le32(static_cast<std::uint32_t>(stamp_ns)) + le32(size(frame)) + le32(size(frame)) + padded);
   return section + interface + packet;
 }
 
-Result<PcapSource> open(Bytes& file) { return PcapSource::open(fmemopen(file.data(), file.size(), "rb")); }
+Result<PcapSource> open(Bytes& file) {
+  return PcapSource::open(fmemopen(file.data(), file.size(), "rb"));
+}
 
 /// Reads a capture of one frame; checks the payload when there is one.
 PcapRejection read_one(int link, const Bytes& frame) {
@@ -117,7 +129,8 @@ TEST(PcapSource, ReadsIpv6BehindExtensionHeaders) {
   EXPECT_EQ(read_one(DLT_EN10MB, ethernet(ipv6(udp()), 0x86DD)), kRead);
   EXPECT_EQ(read_one(DLT_EN10MB, ethernet(ipv6(hop + udp(), 0), 0x86DD)), kRead);
   EXPECT_EQ(read_one(DLT_EN10MB, ethernet(ipv6(two + udp(), 43), 0x86DD)), kRead);
-  EXPECT_EQ(read_one(DLT_EN10MB, ethernet(ipv6(Bytes{17, 0, 0, 1, 0, 0, 0, 1} + udp(), 44), 0x86DD)), PcapRejection::kFragment);
+  EXPECT_EQ(read_one(DLT_EN10MB, ethernet(ipv6(Bytes{17, 0, 0, 1, 0, 0, 0, 1} + udp(), 44), 0x86DD)),
+            PcapRejection::kFragment);
   EXPECT_EQ(read_one(DLT_EN10MB, ethernet(ipv6(Bytes{17, 200, 0, 0}, 0), 0x86DD)), PcapRejection::kBadHeader);
 }
 
@@ -185,7 +198,8 @@ TEST(PcapSource, UsesTheWholePacketsOfAFileThatBreaksOffAnywhere) {
 }
 
 TEST(PcapSource, RefusesWhatIsNoCaptureWithAReason) {
-  Bytes text{'h', 'e', 'l', 'l', 'o', ' ', 'w', 'o', 'r', 'l', 'd', ' ', 'n', 'o', ' ', 'p', 'c', 'a', 'p', '!', 1, 2, 3, 4, 5};
+  Bytes text{'h', 'e', 'l', 'l', 'o', ' ', 'w', 'o', 'r', 'l', 'd', ' ', 'n',
+             'o', ' ', 'p', 'c', 'a', 'p', '!', 1,   2,   3,   4,   5};
   EXPECT_FALSE(open(text));
   Bytes wifi = pcap_file(105, {});
   const auto opened = open(wifi);

@@ -61,7 +61,9 @@ UdpSource open(UdpSourceConfig config) {
   return std::move(opened).value();
 }
 
-std::string text(const UdpPacket& packet) { return {packet.payload.begin(), packet.payload.end()}; }
+std::string text(const UdpPacket& packet) {
+  return {packet.payload.begin(), packet.payload.end()};
+}
 
 TEST(UdpSource, DeliversDatagramsInOrderWithKernelStampsInHostTime) {
   UdpSource source = open({});
@@ -142,7 +144,8 @@ TEST(UdpSource, TakesAStreamLargerThanABatchWithoutLoss) {
   Sender sender{source.port()};
   for (int i = 0; i < 80; ++i) sender.send(std::to_string(i));
   int next = 0;
-  for (auto packets = source.receive(milliseconds{2000}); !packets.empty(); packets = source.receive(milliseconds{20})) {
+  for (auto packets = source.receive(milliseconds{2000}); !packets.empty();
+       packets = source.receive(milliseconds{20})) {
     EXPECT_LE(packets.size(), UdpSource::kBatch);
     for (const UdpPacket& packet : packets) EXPECT_EQ(text(packet), std::to_string(next++));
   }

@@ -112,8 +112,8 @@ TEST(Vlp16Decoder, InterpolatesEachBlockWithItsOwnStep) {
   Vlp16Decoder decoder{{}};
   const LidarPacket* packet = decoder.decode(b.span(), from_ns<HostTime>(kStartNs));
   ASSERT_NE(packet, nullptr);
-  EXPECT_EQ(packet->points[16].azimuth_cdeg, 21);  // half of 42
-  EXPECT_EQ(packet->points[48].azimuth_cdeg, 61);  // 42 and half of 38
+  EXPECT_EQ(packet->points[16].azimuth_cdeg, 21);             // half of 42
+  EXPECT_EQ(packet->points[48].azimuth_cdeg, 61);             // 42 and half of 38
   EXPECT_EQ(packet->points[11 * 32 + 16].azimuth_cdeg, 460);  // 440 and half of the mean
 }
 
@@ -237,8 +237,8 @@ TEST(Vlp16Decoder, KeepsReturnsInsideItsRangeLimitsOnly) {
   config.max_range_m = 100.0;
   Vlp16Decoder decoder{config};
   Vlp16Bytes b{0, 40, 0};
-  const std::pair<std::uint16_t, bool> cases[] = {{0, false}, {1, false}, {499, false}, {500, true}, {50000, true},
-                                                  {50001, false}, {65535, false}};
+  const std::pair<std::uint16_t, bool> cases[] = {{0, false},    {1, false},     {499, false},  {500, true},
+                                                  {50000, true}, {50001, false}, {65535, false}};
   for (std::size_t i = 0; i < std::size(cases); ++i) b.set_return(0, i, cases[i].first, 9);
   const LidarPacket* packet = decoder.decode(b.span(), from_ns<HostTime>(kStartNs));
   ASSERT_NE(packet, nullptr);

@@ -1,11 +1,11 @@
 // A dual-return recording against the points that another decoder (Nebula) made of it.
 //
-// The golden file's conventions: x and y as ours (x = azimuth 0, azimuth clockwise); its `elevation` holds the sine; z is
-// without the manual's vertical offset of each laser; `time_stamp` is nanoseconds after the packet's stamp, in steps of 238 ns
-// (it went through seconds in a double), and it lets the two blocks of a pair follow each other although they are the same
-// firings: block b counts as b * 110.592 us, ours as (b / 2) * 110.592 us. It interpolates azimuths only in
-// the first block of each pair but the last: the second has the next pair's azimuth for all its firings, and the last pair
-// its own, where ours follow the head (0.398 degrees a block in this recording).
+// The golden file's conventions: x and y as ours (x = azimuth 0, azimuth clockwise); its `elevation` holds the sine; z
+// is without the manual's vertical offset of each laser; `time_stamp` is nanoseconds after the packet's stamp, in steps
+// of 238 ns (it went through seconds in a double), and it lets the two blocks of a pair follow each other although they
+// are the same firings: block b counts as b * 110.592 us, ours as (b / 2) * 110.592 us. It interpolates azimuths only
+// in the first block of each pair but the last: the second has the next pair's azimuth for all its firings, and the
+// last pair its own, where ours follow the head (0.398 degrees a block in this recording).
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
@@ -95,7 +95,9 @@ std::vector<Golden> read_cloud() {
 /// Ring, distance in millimetres, intensity: what must be equal exactly, and finds a golden point's candidates fast.
 using Key = std::tuple<int, int, int>;
 
-double range_of(const LidarPoint& p, double height_m) { return std::hypot(p.x, p.y, p.z - height_m); }
+double range_of(const LidarPoint& p, double height_m) {
+  return std::hypot(p.x, p.y, p.z - height_m);
+}
 
 /// The manual's vertical offset by ring.
 double height_m(int ring) {
@@ -106,15 +108,16 @@ double height_m(int ring) {
 class Vlp16Golden : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(kBag) || !std::filesystem::exists(kCloud)) GTEST_SKIP() << "no recording in " << kFolder;
+    if (!std::filesystem::exists(kBag) || !std::filesystem::exists(kCloud))
+      GTEST_SKIP() << "no recording in " << kFolder;
     packets_ = read_bag();
     golden_ = read_cloud();
     ASSERT_EQ(packets_.size(), 603U);
     ASSERT_EQ(golden_.size(), 14831U);
   }
 
-  /// Points of the revolution that the golden cloud shows: it begins when the third message's last packets cross azimuth 0
-  /// and ends in the fourth message. All four messages go through the decoder.
+  /// Points of the revolution that the golden cloud shows: it begins when the third message's last packets cross
+  /// azimuth 0 and ends in the fourth message. All four messages go through the decoder.
   std::multimap<Key, LidarPoint> decode_golden_revolution() {
     constexpr std::size_t kFirst = 453 - 2;  // packet index
     std::multimap<Key, LidarPoint> found;
@@ -125,7 +128,8 @@ class Vlp16Golden : public ::testing::Test {
       if (packet == nullptr || i < kFirst) continue;
       for (std::size_t k = 0; k < packet->point_count; ++k) {
         const LidarPoint& p = packet->points[k];
-        found.emplace(Key{p.ring, static_cast<int>(std::lround(range_of(p, height_m(p.ring)) * 1000.0)), p.intensity}, p);
+        found.emplace(Key{p.ring, static_cast<int>(std::lround(range_of(p, height_m(p.ring)) * 1000.0)), p.intensity},
+                      p);
       }
     }
     EXPECT_EQ(decoder.stats().lost, 0U);
@@ -138,10 +142,14 @@ class Vlp16Golden : public ::testing::Test {
 
 constexpr double kBlockNs = 110'592.0;
 
-int golden_block(const Golden& g) { return static_cast<int>((g.time_ns + 240.0) / kBlockNs); }
+int golden_block(const Golden& g) {
+  return static_cast<int>((g.time_ns + 240.0) / kBlockNs);
+}
 
 /// What the golden time stamp says in our counting of dual-return blocks.
-double our_time_ns(const Golden& g) { return g.time_ns - (golden_block(g) - golden_block(g) / 2) * kBlockNs; }
+double our_time_ns(const Golden& g) {
+  return g.time_ns - (golden_block(g) - golden_block(g) / 2) * kBlockNs;
+}
 
 /// How far the head stands from the golden azimuth (see above), positive = further turned.
 double golden_lag_rad(const Golden& g) {
@@ -165,7 +173,9 @@ Difference difference(const LidarPoint& p, const Golden& g) {
 }
 
 /// Azimuths are counted in 0.01 degrees and the golden ones are cut, not rounded; 0.03 degrees at 14.6 m are 8 mm.
-bool agree(const Difference& d) { return d.azimuth_deg < 0.035 && d.time_ns < 250.0 && d.level_m < 0.008 && d.z_m < 1e-4; }
+bool agree(const Difference& d) {
+  return d.azimuth_deg < 0.035 && d.time_ns < 250.0 && d.level_m < 0.008 && d.z_m < 1e-4;
+}
 
 TEST_F(Vlp16Golden, EveryGoldenPointIsAmongOurs) {
   const auto ours = decode_golden_revolution();

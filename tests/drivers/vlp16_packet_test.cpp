@@ -11,7 +11,9 @@
 namespace slamd {
 namespace {
 
-Vlp16Rejection cause_of(const Vlp16Bytes& packet) { return parse_vlp16(packet.span()).cause; }
+Vlp16Rejection cause_of(const Vlp16Bytes& packet) {
+  return parse_vlp16(packet.span()).cause;
+}
 
 TEST(Vlp16Packet, ReadsStampModeAzimuthsAndReturns) {
   Vlp16Bytes b{35990, 40, 3599999999U, 0x38};
@@ -39,8 +41,14 @@ TEST(Vlp16Packet, RefusesAzimuthsOfAFullCircleAndMore) {
 
 TEST(Vlp16Packet, NamesOtherModelsByTheirProductByte) {
   using enum Vlp16Rejection;
-  for (const auto& [product, cause] : {std::pair{0x21, kHdl32e}, {0x22, kCount}, {0x24, kPuckHiRes}, {0x28, kVlp32c},
-                                       {0x31, kVelarray}, {0xA1, kVls128}, {0x00, kUnknownModel}, {0xFF, kUnknownModel}}) {
+  for (const auto& [product, cause] : {std::pair{0x21, kHdl32e},
+                                       {0x22, kCount},
+                                       {0x24, kPuckHiRes},
+                                       {0x28, kVlp32c},
+                                       {0x31, kVelarray},
+                                       {0xA1, kVls128},
+                                       {0x00, kUnknownModel},
+                                       {0xFF, kUnknownModel}}) {
     Vlp16Bytes b{0, 40, 0};
     b.bytes[1205] = static_cast<std::uint8_t>(product);
     EXPECT_EQ(cause_of(b), cause) << product;
@@ -86,6 +94,10 @@ TEST(Vlp16Packet, HasANameAndASentenceOfItsOwnForEveryCause) {
     EXPECT_GT(std::string{explain(static_cast<Vlp16Rejection>(i))}.size(), 20U);
     EXPECT_NE(names.back(), "none");
   }
+  EXPECT_STREQ(name(Vlp16Rejection::kWrongSize), "wrong_size");
+  EXPECT_STREQ(name(Vlp16Rejection::kVls128), "vls_128");
+  EXPECT_STREQ(name(Vlp16Rejection::kStopped), "stopped");
+  EXPECT_STREQ(name(Vlp16Rejection::kStampJump), "stamp_jump");
   std::sort(names.begin(), names.end());
   EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
 }

@@ -50,7 +50,8 @@ TEST(Vlp16Recordings, EinrideDecodesWholly) {
     ASSERT_NE(packet, nullptr) << explain(decoder.last_rejection());
     EXPECT_EQ(packet->point_count, count_returns(payload));
     if (i > 0) {
-      EXPECT_NEAR(to_seconds(packet->time - previous), 1327.104e-6, i < 500 ? 200e-6 : 3e-6);  // the clock settles first
+      EXPECT_NEAR(to_seconds(packet->time - previous), 1327.104e-6,
+                  i < 500 ? 200e-6 : 3e-6);  // the clock settles first
       EXPECT_NEAR(azimuth_difference_cdeg(packet->azimuth_begin_cdeg, azimuth), 40.0 * 18.432 / 110.592, 4.0);
     }
     previous = packet->time;
@@ -100,8 +101,9 @@ TEST(Vlp16Recordings, AnHdl32IsRefusedByName) {
   EXPECT_NE(std::string{explain(decoder.last_rejection())}.find("HDL-32E"), std::string::npos);
 }
 
-/// The vehicle of the sample drive stands at the start with free, level ground ahead: through T_base_lidar (11 degrees down,
-/// 1.86 m up) the lowest beams of the front quarter lie on it. Wrong axes, elevations or azimuths would lift or sink them.
+/// The vehicle of the sample drive stands at the start with free, level ground ahead: through T_base_lidar (11 degrees
+/// down, 1.86 m up) the lowest beams of the front quarter lie on it. Wrong axes, elevations or azimuths would lift or
+/// sink them.
 double median_ground_height(const std::vector<LidarPoint>& points) {
   const double pitch = 11.0 * 3.14159265358979 / 180.0;
   std::vector<double> heights;

@@ -68,7 +68,8 @@ void check_position(std::span<const std::uint8_t> payload) {
 
 }  // namespace
 
-/// Records of: control byte (bit 0: repair, bit 1: azimuths too), arrival step in us (4 bytes), then a payload of up to 1206.
+/// Records of: control byte (bit 0: repair, bit 1: azimuths too), arrival step in us (4 bytes), then a payload of up to
+/// 1206.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   Vlp16Decoder decoder{{}};
   ByteReader reader{{bytes, size}};
