@@ -51,17 +51,18 @@ inline Eigen::Matrix3d right_jacobian_so3(const Eigen::Vector3d& theta) {
          (angle - std::sin(angle)) / (angle2 * angle) * k * k;
 }
 
-/// J_r^-1, eq. (144).
+/// J_r^-1, eq. (144), with (1 + cos a) / sin a written as cot(a / 2), which keeps its digits at pi.
 inline Eigen::Matrix3d right_jacobian_inverse_so3(const Eigen::Vector3d& theta) {
   const double angle2 = theta.squaredNorm();
   const Eigen::Matrix3d k = skew(theta);
   if (angle2 < 1e-8) return Eigen::Matrix3d::Identity() + 0.5 * k + k * k / 12.0;
   const double angle = std::sqrt(angle2);
-  const double c = 1.0 / angle2 - (1.0 + std::cos(angle)) / (2.0 * angle * std::sin(angle));
+  const double c = 1.0 / angle2 - std::cos(0.5 * angle) / (2.0 * angle * std::sin(0.5 * angle));
   return Eigen::Matrix3d::Identity() + 0.5 * k + c * k * k;
 }
 
-/// Two unit vectors orthogonal to v and to each other, as columns; continuous but near v = -z. v need not be unit.
+/// Two unit vectors orthogonal to v and to each other, as columns; continuous but where |v.x| passes 0.9 |v|. v need not
+/// be unit.
 inline Matrix32d tangent_basis_s2(const Eigen::Vector3d& v) {
   const Eigen::Vector3d n = v.normalized();
   const Eigen::Vector3d helper = std::abs(n.x()) < 0.9 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
