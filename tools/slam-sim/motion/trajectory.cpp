@@ -1,6 +1,5 @@
 #include "tools/slam-sim/motion/trajectory.hpp"
 
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -49,7 +48,7 @@ PathPoint swerved(PathPoint at, double s, double amplitude_m) {
 /// Bumps as smooth pulses in time: a chance per metre driven, each lifting and tipping the car for a quarter second.
 class Bumps {
  public:
-  Bumps(double per_m, double seed_amplitude_m) : per_m_{per_m}, amplitude_{seed_amplitude_m} {}
+  Bumps(double per_m, double amplitude_m_or_rad) : per_m_{per_m}, amplitude_{amplitude_m_or_rad} {}
 
   Vector3d next(Rng& rng, double way_m) {  // heave, roll, pitch
     if (phase_ >= 1.0 && rng.chance(per_m_ * std::abs(way_m))) {
@@ -72,13 +71,16 @@ class Bumps {
 class Suspension {
  public:
   explicit Suspension(const TrajectoryPlan& plan)
-      : wobble_{plan.wobble}, rng_{plan.seed, Stream::kMotion}, bumps_{plan.wobble.bumps_per_m, 0.07} {
-    for (int i = 0; i < 500; ++i) shake();
+      : wobble_{plan.wobble}, rng_{plan.seed, Stream::kMotion}, bumps_{plan.wobble.bumps_per_m, 0.03} {
+    for (int i = 0; i < 4; ++i) {
+      body_.emplace_back(0.5, 2.2, rng_);
+      wheels_.emplace_back(6.0, 11.0, rng_);
+    }
   }
 
   Eigen::Vector4d next(double speed, double acceleration, double lateral_acceleration) {
     const double share = speed * speed / (speed * speed + 4.0);  // none at rest
-    Eigen::Vector4d out = share * shake();
+    Eigen::Vector4d out = share * shake(static_cast<double>(count_++) * kStep);
     out.head<3>() += bumps_.next(rng_, speed * kStep);
     out[1] += kRollPerAcceleration * lateral_acceleration;
     out[2] += kPitchPerAcceleration * acceleration;
@@ -86,21 +88,19 @@ class Suspension {
   }
 
  private:
-  Eigen::Vector4d shake() {
-    const Eigen::Vector4d scale(wobble_.heave_m, wobble_.roll_rad, wobble_.pitch_rad, wobble_.yaw_rad);
-    Eigen::Vector4d out;
+  Eigen::Vector4d shake(double t) const {
+    Eigen::Vector4d out(wobble_.heave_m, wobble_.roll_rad, wobble_.pitch_rad, wobble_.yaw_rad);
     for (std::size_t i = 0; i < 4; ++i) {
-      const double slow = body_[i].next(rng_);
-      out[static_cast<Eigen::Index>(i)] = slow + wobble_.wheel_hop * wheels_[i].next(rng_);
+      out[static_cast<Eigen::Index>(i)] *= body_[i].at(t) + wobble_.wheel_hop * wheels_[i].at(t);
     }
-    return out.cwiseProduct(scale);
+    return out;
   }
 
   Wobble wobble_;
   Rng rng_;
   Bumps bumps_;
-  std::array<ShakenSpring, 4> body_{ShakenSpring{1.3, 0.3, kStep}, {1.5, 0.3, kStep}, {1.4, 0.3, kStep}, {1.1, 0.4, kStep}};
-  std::array<ShakenSpring, 4> wheels_{ShakenSpring{9.0, 0.2, kStep}, {8.0, 0.2, kStep}, {8.5, 0.2, kStep}, {6.0, 0.3, kStep}};
+  std::vector<BandNoise> body_, wheels_;
+  std::int64_t count_ = 0;
 };
 
 std::vector<Vector6d> sample_motion(const HeightField& ground, const Path& path, const TrajectoryPlan& plan,

@@ -19,7 +19,7 @@ struct Wobble {
   double roll_rad = 0.006;
   double pitch_rad = 0.006;
   double yaw_rad = 0.0005;
-  double wheel_hop = 0.12;  // share of fast (9 Hz) movement relative to the slow one
+  double wheel_hop = 0.02;  // share of fast (6-11 Hz) movement relative to the slow one
   double bumps_per_m = 0.0;
 };
 

@@ -1,30 +1,35 @@
 #pragma once
-// Filtered noise of a suspension on a road: what roll, pitch and heave do beyond following the ground.
+// Band-limited noise of a suspension on a road: what roll, pitch and heave do beyond following the ground.
 
+#include <array>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 #include "tools/slam-sim/world/rng.hpp"
 
 namespace slamd::sim {
 
-/// A damped oscillator shaken by white noise; unit variance in the steady state.
-class ShakenSpring {
+/// A sum of waves with random phases: unit variance, nothing outside the band, smooth for ever.
+class BandNoise {
  public:
-  ShakenSpring(double frequency_hz, double damping, double step_s)
-      : omega_{2 * std::numbers::pi * frequency_hz}, damping_{damping}, step_{step_s} {}
+  BandNoise(double low_hz, double high_hz, Rng& rng) {
+    for (std::size_t i = 0; i < waves_.size(); ++i) {
+      const double share = (static_cast<double>(i) + rng.uniform()) / static_cast<double>(waves_.size());
+      waves_[i] = {2 * std::numbers::pi * low_hz * std::pow(high_hz / low_hz, share), rng.uniform(0.0, 2 * std::numbers::pi)};
+    }
+  }
 
-  double next(Rng& rng) {
-    const double push = rng.normal() * std::sqrt(4.0 * damping_ * omega_ * omega_ * omega_ / step_);
-    speed_ += step_ * (push - 2.0 * damping_ * omega_ * speed_ - omega_ * omega_ * position_);
-    position_ += step_ * speed_;
-    return position_;
+  double at(double t) const {
+    double sum = 0.0;
+    for (const Wave& wave : waves_) sum += std::sin(wave.omega * t + wave.phase);
+    return sum * std::sqrt(2.0 / static_cast<double>(waves_.size()));
   }
 
  private:
-  double omega_, damping_, step_;
-  double position_ = 0.0, speed_ = 0.0;
+  struct Wave {
+    double omega, phase;
+  };
+  std::array<Wave, 24> waves_{};
 };
 
 }  // namespace slamd::sim

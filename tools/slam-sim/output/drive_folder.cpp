@@ -34,27 +34,31 @@ DriveFolder::File DriveFolder::open(const std::filesystem::path& path) {
 }
 
 DriveFolder::DriveFolder(const std::filesystem::path& folder, std::int64_t host_start_ns)
-    : folder_{created(folder)},
-      host_start_ns_{host_start_ns},
-      lidar_{folder / "lidar.pcap"},
-      imu_{open(folder / "imu.csv")},
-      gps_{open(folder / "gps.csv")} {
-  std::fputs("t_ns,gx_rads,gy_rads,gz_rads,ax_mps2,ay_mps2,az_mps2,temp_c\n", imu_.get());
-  std::fputs("t_ns,sentence\n", gps_.get());
+    : folder_{created(folder)}, host_start_ns_{host_start_ns}, imu_{nullptr, &std::fclose}, gps_{nullptr, &std::fclose} {
+  for (const char* name : {"lidar.pcap", "imu.csv", "gps.csv"}) std::filesystem::remove(folder_ / name);
 }
 
 void DriveFolder::write(const WireEvent& event) {
   switch (event.channel) {
-    case Channel::kLidar: lidar_.write(host_start_ns_ + event.arrival_ns, 2368, event.bytes); break;
-    case Channel::kPosition: lidar_.write(host_start_ns_ + event.arrival_ns, 8308, event.bytes); break;
+    case Channel::kLidar: write_packet(event, 2368); break;
+    case Channel::kPosition: write_packet(event, 8308); break;
     case Channel::kImu: write_imu(event); break;
     case Channel::kGps: write_gps(event); break;
   }
 }
 
+void DriveFolder::write_packet(const WireEvent& event, std::uint16_t port) {
+  if (!lidar_) lidar_ = std::make_unique<PcapWriter>(folder_ / "lidar.pcap");
+  lidar_->write(host_start_ns_ + event.arrival_ns, port, event.bytes);
+}
+
 void DriveFolder::write_imu(const WireEvent& event) {
   const auto decoded = decode_imu_packet(std::span<const std::uint8_t>{event.bytes}.first(kImuFramePacketBytes));
   if (!decoded) return;
+  if (!imu_) {
+    imu_ = open(folder_ / "imu.csv");
+    std::fputs("t_ns,gx_rads,gy_rads,gz_rads,ax_mps2,ay_mps2,az_mps2,temp_c\n", imu_.get());
+  }
   constexpr double kGyro = kImuGyroMdpsPerLsb * 1e-3 * std::numbers::pi / 180.0;
   constexpr double kAccel = kImuAccelMgPerLsb * 1e-3 * 9.80665;
   std::fprintf(imu_.get(), "%" PRId64, host_start_ns_ + event.arrival_ns);
@@ -65,6 +69,10 @@ void DriveFolder::write_imu(const WireEvent& event) {
 
 /// One line a sentence, whatever its bytes: line ends inside (damaged sentences) would break the file and become dots.
 void DriveFolder::write_gps(const WireEvent& event) {
+  if (!gps_) {
+    gps_ = open(folder_ / "gps.csv");
+    std::fputs("t_ns,sentence\n", gps_.get());
+  }
   std::string text(event.bytes.begin(), event.bytes.end());
   while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
   for (char& c : text) {

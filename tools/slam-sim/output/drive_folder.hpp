@@ -12,7 +12,7 @@ namespace slamd::sim {
 
 class DriveFolder {
  public:
-  /// Creates the folder. host_start_ns: host time of the start of the drive. Throws std::runtime_error with path and reason.
+  /// Creates the folder; a sensor's file appears with its first event. host_start_ns: host time of the start of the drive. Throws std::runtime_error with path and reason.
   DriveFolder(const std::filesystem::path& folder, std::int64_t host_start_ns);
 
   /// Events in order of arrival. IMU frames that a driver would refuse leave no line.
@@ -24,12 +24,13 @@ class DriveFolder {
  private:
   using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
   static File open(const std::filesystem::path& path);
+  void write_packet(const WireEvent& event, std::uint16_t port);
   void write_imu(const WireEvent& event);
   void write_gps(const WireEvent& event);
 
   std::filesystem::path folder_;
   std::int64_t host_start_ns_;
-  PcapWriter lidar_;
+  std::unique_ptr<PcapWriter> lidar_;
   File imu_;
   File gps_;
 };

@@ -3,15 +3,13 @@
 namespace slamd::sim {
 namespace {
 
-void two_laps(DriveSpec& spec) {
-  spec.course.kind = CourseKind::kFigureEight;
-}
+void two_laps(DriveSpec& spec) { spec.course.kind = CourseKind::kTwoLaps; }
 
 void rough(DriveSpec& spec) {
   spec.course.length_m = 600.0;
   spec.course.slalom_m = 1.0;
   spec.course.speed_mps = 6.0;
-  spec.course.wobble = {0.035, 0.045, 0.040, 0.015, 0.15, 0.10};
+  spec.course.wobble = {0.035, 0.045, 0.040, 0.015, 0.012, 0.10};
 }
 
 void moving_start(DriveSpec& spec) {
@@ -42,7 +40,7 @@ void parking(DriveSpec& spec) {
 const std::vector<Scenario>& scenarios() {
   static const std::vector<Scenario> kAll{
       {"campus", "900 m round a campus with stops (default)", [](DriveSpec&) {}},
-      {"two-laps", "figure of eight on the campus, one street driven twice", two_laps},
+      {"two-laps", "twice round one block of the campus", two_laps},
       {"rough", "600 m of campus swerving over bumps", rough},
       {"crowd", "campus among 45 moving cars and pedestrians", [](DriveSpec& spec) { spec.crowd = 45; }},
       {"moving-start", "600 m of campus, recording begins at full speed", moving_start},

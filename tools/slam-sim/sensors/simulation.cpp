@@ -13,13 +13,12 @@ namespace {
 
 constexpr double kSlice = 0.5;
 
-int laps_of(CourseKind kind) { return kind == CourseKind::kTwoLaps ? 2 : 1; }
-
 Path path_of(const World& world, CourseKind kind) {
   switch (kind) {
     case CourseKind::kFigureEight: return Path{world.figure_eight};
     case CourseKind::kLineAndBack: return Path{world.line};
-    default: return Path{world.loop, laps_of(kind)};
+    case CourseKind::kTwoLaps: return Path{world.short_loop, 2};
+    default: return Path{world.loop};
   }
 }
 

@@ -113,10 +113,12 @@ World make_campus(std::uint64_t seed) {
   furnish_street(scene, streets, streets.middle, false);
   plant_lawn(scene, streets, 120);
   const Polyline eight = warped(rounded(eight_corners(), true, 14.0, 2.0), warp);
+  const Polyline block = warped(rounded({{80, 0}, {kWidth / 2, 0}, {kWidth / 2, kDepth}, {0, kDepth}, {0, 0}}, true, 14.0, 2.0), warp);
   const Polyline line(streets.outer.begin(), streets.outer.begin() + 60);
   return {.ground = std::move(ground),
           .bodies = Bvh{scene.take()},
           .loop = {shifted(streets.outer, true, -kLane), true},
+          .short_loop = {shifted(block, true, -kLane), true},
           .figure_eight = {shifted(eight, true, -kLane), true},
           .line = {shifted(line, false, -kLane), false},
           .oncoming = {shifted(streets.outer, true, kLane), true},

@@ -21,6 +21,7 @@ struct World {
   HeightField ground;
   Bvh bodies;
   Route loop;          // the ego lane round the world
+  Route short_loop;    // a smaller round, for several laps
   Route figure_eight;  // the same lanes, crossing in the middle
   Route line;          // one straight stretch, to be driven there and back
   Route oncoming;      // opposite lane of the loop, driven against it
