@@ -32,7 +32,7 @@ struct MapBox {
 struct MapQuery {
   MapBox box;
   double voxel_size_m = 0.2;  // > 0; at most one point in each voxel of the result
-  std::size_t max_points = 20'000'000;
+  std::size_t max_points = 10'000'000;
 };
 
 struct MapSnapshot {

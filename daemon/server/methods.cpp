@@ -1,0 +1,161 @@
+#include "daemon/server/methods.hpp"
+
+#include <fcntl.h>
+
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "daemon/server/host_clock.hpp"
+#include "daemon/server/map_job.hpp"
+#include "daemon/server/pose_json.hpp"
+#include "daemon/server/protocol/protocol.hpp"
+
+namespace slamd {
+namespace {
+
+using nlohmann::json;
+namespace error = protocol::error;
+namespace method = protocol::method;
+
+constexpr std::array kMethods{method::kVersion,     method::kGetStatus, method::kGetPose,
+                              method::kSubscribe,   method::kUnsubscribe, method::kGetMap,
+                              method::kGetPosePage, method::kGetTrajectory, method::kSaveMap};
+
+json pose_row(const StampedPose& pose) {
+  const Eigen::Vector3d& p = pose.T_odom_base.translation;
+  const Eigen::Quaterniond& q = pose.T_odom_base.rotation;
+  return json::array({to_ns(pose.time), p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()});
+}
+
+}  // namespace
+
+Methods::Methods(const ServerConfig& config, const ServerSources& sources, std::string version,
+                 CountsSource server_counts)
+    : config_{config}, sources_{sources}, version_{std::move(version)}, server_counts_{std::move(server_counts)} {}
+
+Methods::Handled Methods::call(const RpcRequest& request, Subscriptions& subscriptions) {
+  Params params{request.params};
+  const std::string_view name = request.method;
+  if (name == method::kGetPose) return pose(params);
+  if (name == method::kVersion) return version(params);
+  if (name == method::kSubscribe) return subscribe(params, subscriptions);
+  if (name == method::kUnsubscribe) return unsubscribe(params, subscriptions);
+  if (name == method::kGetPosePage) return pose_page(params);
+  if (name == method::kGetMap) return map(params);
+  if (name == method::kSaveMap) return save_map(params);
+  if (name == method::kGetTrajectory) return trajectory(params);
+  if (name != method::kGetStatus) return RpcError{error::kUnknownMethod, "unknown method"};
+  if (auto fault = params.fault()) return *std::move(fault);
+  return Reply{status(), {}};
+}
+
+const json& Methods::status() {
+  const HostTime now = host_now();
+  if (status_.is_null() || now - status_time_ > kStatusAge) {
+    status_ = fresh_status(now);
+    status_time_ = now;
+  }
+  return status_;
+}
+
+json Methods::fresh_status(HostTime now) const {
+  json pose = {{"status", "INITIALISING"}, {"reasons", json::array()}, {"age_s", nullptr}, {"sequence", 0}};
+  if (const std::optional<PoseSample> sample = sources_.pose.newest()) {
+    pose = {{"status", name(static_cast<TrackingStatus>(sample->status))},
+            {"reasons", reason_names(sample->reasons)},
+            {"age_s", to_seconds(now - from_ns<HostTime>(sample->host_time_ns))},
+            {"sequence", sample->sequence}};
+  }
+  const MapCounts counts = sources_.map.counts();
+  const json map = {{"keyframes", counts.keyframes},
+                    {"points", counts.points},
+                    {"bytes", counts.bytes},
+                    {"evicted_keyframes", counts.evicted_keyframes},
+                    {"rejected_keyframes", counts.rejected_keyframes},
+                    {"rejected_points", counts.rejected_points}};
+  const json path = {{"poses", sources_.trajectory.size()},
+                     {"stride", sources_.trajectory.stride()},
+                     {"rejected", sources_.trajectory.rejected()}};
+  return {{"time_ns", to_ns(now)}, {"pose", std::move(pose)},           {"map", map}, {"trajectory", path},
+          {"version", version_},   {"health", sources_.health.to_json(now)}, {"server", server_counts_()}};
+}
+
+Methods::Handled Methods::version(Params& params) const {
+  const double wanted = params.number("protocol", protocol::kVersion, 0, 1e6);
+  if (auto fault = params.fault()) return *std::move(fault);
+  if (wanted != protocol::kVersion) {
+    return RpcError{error::kVersionUnknown, "this daemon speaks protocol " + std::to_string(protocol::kVersion)};
+  }
+  return Reply{{{"daemon", "slamd"}, {"version", version_}, {"protocol", protocol::kVersion}, {"methods", kMethods}}, {}};
+}
+
+Methods::Handled Methods::pose(Params& params) const {
+  if (auto fault = params.fault()) return *std::move(fault);
+  const std::optional<PoseSample> sample = sources_.pose.newest();
+  if (!sample) return RpcError{error::kNotYet, "no pose yet"};
+  return Reply{pose_json(*sample), {}};
+}
+
+Methods::Handled Methods::subscribe(Params& params, Subscriptions& subscriptions) const {
+  const bool pose = params.choice("topic", {"pose", "status"}) == "pose";
+  const double rate_hz = pose ? params.number("rate_hz", 10.0, 0.01, 1000.0) : params.number("rate_hz", 1.0, 0.01, 4.0);
+  if (auto fault = params.fault()) return *std::move(fault);
+  (pose ? subscriptions.pose : subscriptions.status).open(from_seconds(1.0 / rate_hz));
+  return Reply{{{"topic", pose ? "pose" : "status"}, {"rate_hz", rate_hz}}, {}};
+}
+
+Methods::Handled Methods::unsubscribe(Params& params, Subscriptions& subscriptions) const {
+  const bool pose = params.choice("topic", {"pose", "status"}) == "pose";
+  if (auto fault = params.fault()) return *std::move(fault);
+  (pose ? subscriptions.pose : subscriptions.status).shut();
+  return Reply{{{"topic", pose ? "pose" : "status"}}, {}};
+}
+
+Methods::Handled Methods::pose_page(Params& params) const {
+  if (auto fault = params.fault()) return *std::move(fault);
+  UniqueFd fd{::fcntl(sources_.pose.page_fd(), F_DUPFD_CLOEXEC, 0)};
+  if (!fd) return RpcError{error::kInternal, "no more file descriptors"};
+  return Reply{{{"version", PosePageLayout::kVersion},
+                {"bytes", PosePageLayout::kBytes},
+                {"sample_bytes", sizeof(PoseSample)},
+                {protocol::kFdField, true}},
+               std::move(fd)};
+}
+
+Methods::Handled Methods::map(Params& params) const {
+  MapRequest request = read_map_request(params);
+  request.format = params.choice("format", {"pcd", "ply"}) == "pcd" ? CloudFormat::kPcd : CloudFormat::kPly;
+  const bool tell_progress = params.flag("progress", false);
+  if (auto fault = params.fault()) return *std::move(fault);
+  return Job{[&store = sources_.map, request](const JobProgress& progress) { return make_map(store, request, progress); },
+             tell_progress};
+}
+
+Methods::Handled Methods::save_map(Params& params) const {
+  MapRequest request = read_map_request(params);
+  const std::string file = params.text("name", "map.pcd");
+  const bool tell_progress = params.flag("progress", false);
+  if (auto fault = params.fault()) return *std::move(fault);
+  if (!is_good_map_name(file)) {
+    return RpcError{error::kRefused, "name must be a plain file name that ends in .pcd or .ply"};
+  }
+  request.format = file.ends_with(".pcd") ? CloudFormat::kPcd : CloudFormat::kPly;
+  return Job{[&store = sources_.map, request, path = config_.save_dir + '/' + file](const JobProgress& progress) {
+               return slamd::save_map(store, request, path, progress);
+             },
+             tell_progress};
+}
+
+Methods::Handled Methods::trajectory(Params& params) const {
+  constexpr double kMostPoses = 2000;  // in one line; the whole path goes as a file
+  const bool tum = params.choice("format", {"json", "tum"}) == "tum";
+  const auto max_poses = static_cast<std::size_t>(params.number("max_poses", 1000, 1, kMostPoses));
+  if (auto fault = params.fault()) return *std::move(fault);
+  if (tum) return Job{[&store = sources_.trajectory](const JobProgress&) { return make_tum(store); }};
+  json rows = json::array();
+  for (const StampedPose& pose : sources_.trajectory.snapshot(max_poses)) rows.push_back(pose_row(pose));
+  return Reply{{{"format", "json"}, {"frame", "odom"}, {"stride", sources_.trajectory.stride()}, {"poses", rows}}, {}};
+}
+
+}  // namespace slamd
