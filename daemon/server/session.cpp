@@ -84,17 +84,17 @@ void Session::work_later() {
 void Session::handle(const std::string& line) {
   if (line.empty() || line == "\r") return;
   ++context_.counts.requests;
+  auto parsed = parse_request(line);
+  if (const RpcFault* fault = std::get_if<RpcFault>(&parsed)) {
+    ++context_.counts.bad_requests;
+    return send(error_line(fault->id, fault->error));
+  }
+  const RpcRequest& request = std::get<RpcRequest>(parsed);
   try {
-    auto parsed = parse_request(line);
-    if (const RpcFault* fault = std::get_if<RpcFault>(&parsed)) {
-      ++context_.counts.bad_requests;
-      return send(error_line(fault->id, fault->error));
-    }
-    const RpcRequest& request = std::get<RpcRequest>(parsed);
     answer(request, context_.methods.call(request, subscriptions_));
   } catch (const std::exception&) {
     ++context_.counts.internal_errors;
-    send(error_line(nullptr, {error::kInternal, "internal error"}));
+    answer(request, RpcError{error::kInternal, "internal error"});
   }
 }
 

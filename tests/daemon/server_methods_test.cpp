@@ -142,7 +142,7 @@ TEST_F(ServerMethods, GetPosePageHandsOverAPageThatFollowsThePose) {
 }
 
 TEST_F(ServerMethods, GetTrajectoryGivesFewPosesAsJsonAndAllAsTum) {
-  for (int i = 1; i <= 500; ++i) trajectory_.add(from_ns<HostTime>(i * 100'000'000), Pose{});
+  for (int i = 1; i <= 500; ++i) trajectory_.add(from_ns<HostTime>(i * 100'000'000LL), Pose{});
   start();
   RawClient client = connect();
   const json few = client.call(1, "get_trajectory", {{"max_poses", 3}}).at("result").at("poses");
