@@ -67,8 +67,9 @@ IkdTree::IkdTree(const IkdTreeConfig& config)
       points_(config.max_points, Eigen::Vector3f::Zero()),
       generations_(config.max_points, 0),
       free_slots_(config.max_points),
-      scratch_(kMaxRebuild + kKdLeafCapacity) {
+      scratch_(kMaxItems) {
   for (std::uint32_t i = 0; i < config.max_points; ++i) free_slots_[i] = config.max_points - 1 - i;
+  agenda_.reserve(kMaxAgenda);
   detached_.reserve(kMaxDetached + kKdLanes * kPathCapacity);
 }
 

@@ -103,7 +103,7 @@ class IkdTree {
   [[nodiscard]] std::uint32_t leaves() const { return nodes_.leaves().used(); }
   [[nodiscard]] std::uint32_t branches() const { return nodes_.branches().used(); }
 
-  static constexpr std::uint32_t kMaxRebuild = 1024;
+  static constexpr std::uint32_t kMaxRebuild = kMaxItems - kKdLeafCapacity;
   static constexpr std::uint32_t kMaxDepth = 48;  // branches; deeper inserts are rejected as full
 
  private:
@@ -121,6 +121,8 @@ class IkdTree {
   void restore(std::uint32_t branch_ref, std::uint32_t count);
   void rebuild(std::uint32_t branch_ref);
   void regrow(std::uint32_t branch_ref, std::uint32_t count);
+  void enlist(std::uint32_t branch_ref);
+  std::uint32_t next_to_inspect();
 
   bool remove(const Region& region, std::uint32_t work_budget);
   bool remove_below(std::uint32_t branch_ref, const Region& region, std::uint64_t work_end);
@@ -132,9 +134,10 @@ class IkdTree {
   std::vector<std::uint32_t> generations_;
   std::vector<std::uint32_t> free_slots_;
   std::vector<std::uint32_t> detached_;  // subtrees cut off by a removal whose slots are not reclaimed yet
+  std::vector<std::uint32_t> agenda_;    // branches that rebalance() inspects first
   std::vector<KdItem> scratch_;
   std::size_t size_ = 0;
-  std::uint32_t sweep_ = 0;  // the branch that rebalance() inspects next
+  std::uint32_t sweep_ = 0;  // the branch that rebalance() inspected last in its turns over all
   IkdTreeStats stats_;
 };
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <numeric>
 
 #include "estimator/map/ikd_tree.hpp"
 #include "estimator/map/ikd_tree_path.hpp"
@@ -8,11 +9,16 @@ namespace {
 
 constexpr std::uint32_t kSmall = 48;        // fewer points are not worth a rebuild
 constexpr std::uint32_t kLaneFloor = 128;   // a lane of so few points is never too heavy
+constexpr std::uint32_t kInspections = 512;  // branches looked at in one call: all are, within a few scans
 constexpr std::size_t kSamples = 256;       // points that stand for a large subtree when its planes are chosen
 
 bool changed_much(std::uint32_t count, std::uint32_t built) {
   const std::uint32_t change = count > built ? count - built : built - count;
   return change * 4 >= std::max(count, built);
+}
+
+std::uint32_t points_below(const KdBranch& branch) {
+  return std::accumulate(std::begin(branch.count), std::end(branch.count), 0U);
 }
 
 /// The point of a subtree with the given rank in tree order.
@@ -50,7 +56,6 @@ void distribute(KdNodes& nodes, const KdSubtree& part, std::uint32_t heap, KdBra
 
 bool IkdTree::needs_rebuild(const KdBranch& branch, std::uint32_t count) const {
   if (count < kSmall || !changed_much(count, branch.built_count)) return false;
-  if (branch.built_count == 0) return true;
   std::uint32_t heaviest = 0;
   std::uint32_t branches = 0;
   for (std::uint32_t l = 0; l < kKdLanes; ++l) {
@@ -106,6 +111,8 @@ void IkdTree::regrow(std::uint32_t branch_ref, std::uint32_t count) {
     top.plane[h] = planes[h].position;
   }
   distribute(nodes_, {old_top, whole.count, whole.box}, 0, top);
+  for (const std::uint32_t part : top.child)
+    if (!is_leaf(part)) enlist(part);
   ++stats_.regrown;
 }
 
@@ -114,27 +121,41 @@ void IkdTree::keep_shallow(const Path& path) {
   for (std::uint32_t i = 0; i < path.length; ++i) {
     const auto [ref, lane] = path.steps[i];
     const std::uint32_t height = std::min(path.length - i + 1, 26U);
+    const KdBranch& branch = nodes_.branch(ref);
     const bool allowed = count <= kMaxRebuild || path.length > kMaxDepth / 2;
-    if (allowed && count >= kSmall && count < (kKdLeafCapacity << height) &&
-        changed_much(count, nodes_.branch(ref).built_count)) {
+    if (allowed && count >= kSmall && count < (kKdLeafCapacity << height) && changed_much(count, branch.built_count)) {
       restore(ref, count);
       return;  // the rest of the way may be gone
     }
-    count = nodes_.branch(ref).count[lane];
+    if (!allowed && needs_rebuild(branch, count)) enlist(ref);
+    count = branch.count[lane];
   }
+}
+
+void IkdTree::enlist(std::uint32_t branch_ref) {
+  if (agenda_.size() < agenda_.capacity()) agenda_.push_back(branch_ref);
+}
+
+/// Branches known to need work come first, newest first; then all in turn.
+std::uint32_t IkdTree::next_to_inspect() {
+  if (agenda_.empty()) {
+    sweep_ = sweep_ + 1 < nodes_.branches().high_water() ? sweep_ + 1 : 0;
+    return sweep_;
+  }
+  const std::uint32_t ref = agenda_.back();
+  agenda_.pop_back();
+  return ref;
 }
 
 void IkdTree::rebalance(std::uint32_t work_budget) {
   const std::uint64_t work_end = stats_.work + work_budget;
   reclaim(work_end);
-  for (std::uint32_t i = 0; i < nodes_.branches().capacity() && stats_.work < work_end; ++i) {
-    const std::uint32_t ref = sweep_;
-    sweep_ = sweep_ + 1 < nodes_.branches().capacity() ? sweep_ + 1 : 0;
+  for (std::uint32_t i = 0; i < kInspections && stats_.work < work_end; ++i) {
+    const std::uint32_t ref = next_to_inspect();
     const KdBranch& branch = nodes_.branch(ref);
-    if (!branch.in_use) continue;
     ++stats_.work;
-    std::uint32_t count = 0;
-    for (const std::uint32_t below : branch.count) count += below;
+    if (!branch.in_use) continue;
+    const std::uint32_t count = points_below(branch);
     if (needs_rebuild(branch, count)) restore(ref, count);
   }
 }

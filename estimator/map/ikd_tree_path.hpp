@@ -11,6 +11,7 @@ namespace slamd {
 /// Insertion stops at kMaxDepth; dividing subtrees may make the tree a little deeper for a while.
 inline constexpr std::uint32_t kPathCapacity = IkdTree::kMaxDepth + 16;
 inline constexpr std::size_t kMaxDetached = 4096;
+inline constexpr std::size_t kMaxAgenda = 256;
 
 struct IkdTree::Path {
   struct Step {

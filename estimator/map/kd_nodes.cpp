@@ -2,28 +2,68 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace slamd {
 namespace {
 
 constexpr std::size_t kBottomPoints = 96;  // a branch of leaves only: eight leaves with room to grow
 constexpr std::uint32_t kMergePoints = kKdLeafCapacity * 3 / 4;
+constexpr std::size_t kFewSamples = 31;
+
+/// Median of one coordinate, from at most `kMost` items spread over all of them.
+template <std::size_t kMost>
+float median(std::span<const KdItem> items, std::uint32_t axis) {
+  std::array<float, kMost> samples{};
+  const std::size_t stride = (items.size() + kMost - 1) / kMost;
+  std::size_t n = 0;
+  for (std::size_t i = stride / 2; i < items.size(); i += stride) samples[n++] = items[i].at[axis];
+  const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(n / 2);
+  std::nth_element(samples.begin(), middle, samples.begin() + static_cast<std::ptrdiff_t>(n));
+  return *middle;
+}
+
+struct Division {
+  KdPlane plane;
+  std::size_t smaller = 0;  // points on the side with fewer
+};
+
+/// The better of the two planes that bound the voxel layer of `middle`.
+Division divide(std::span<const KdItem> items, const KdNodes& nodes, std::uint32_t axis, float middle) {
+  const float layer = std::floor(nodes.in_voxels(middle));
+  std::array<std::size_t, 2> left{};
+  for (const KdItem& item : items) {
+    const float at = nodes.in_voxels(item.at[axis]);
+    left[0] += static_cast<std::size_t>(at < layer);
+    left[1] += static_cast<std::size_t>(at < layer + 1.0F);
+  }
+  const auto smaller = [&](std::size_t i) { return std::min(left[i], items.size() - left[i]); };
+  if (smaller(0) >= smaller(1)) return {{axis, layer}, smaller(0)};
+  return {{axis, layer + 1.0F}, smaller(1)};
+}
+
+using Float4 = float __attribute__((vector_size(16)));
+
+/// Axes by falling extent of the items. The fourth lane carries slots and is ignored.
+std::array<std::uint32_t, 3> longest_first(std::span<const KdItem> items) {
+  static_assert(sizeof(KdItem) == sizeof(Float4));
+  Float4 lo{kInfinity, kInfinity, kInfinity, 0};
+  Float4 hi = -lo;
+  for (const KdItem& item : items) {
+    Float4 at;
+    std::memcpy(&at, &item, sizeof at);
+    lo = at < lo ? at : lo;
+    hi = at > hi ? at : hi;
+  }
+  const Float4 extent = hi - lo;
+  std::array<std::uint32_t, 3> axes{0, 1, 2};
+  if (extent[1] > extent[0]) std::swap(axes[0], axes[1]);
+  if (extent[2] > extent[axes[0]]) std::swap(axes[0], axes[2]);
+  if (extent[axes[2]] > extent[axes[1]]) std::swap(axes[1], axes[2]);
+  return axes;
+}
 
 }  // namespace
-
-void KdBox::add(const std::array<float, 3>& point) {
-  for (std::size_t a = 0; a < 3; ++a) {
-    lo[a] = std::min(lo[a], point[a]);
-    hi[a] = std::max(hi[a], point[a]);
-  }
-}
-
-void KdBox::add(const KdBox& other) {
-  for (std::size_t a = 0; a < 3; ++a) {
-    lo[a] = std::min(lo[a], other.lo[a]);
-    hi[a] = std::max(hi[a], other.hi[a]);
-  }
-}
 
 KdNodes::KdNodes(float voxel_size_m, std::uint32_t max_leaves, std::uint32_t max_branches)
     : voxels_per_m_(1.0F / voxel_size_m), leaves_(max_leaves), branches_(max_branches) {
@@ -85,30 +125,19 @@ KdSubtree KdNodes::summary(std::uint32_t branch_ref) const {
   return out;
 }
 
-KdPlane KdNodes::choose_plane(std::span<KdItem> items) const {
-  KdBox box;
-  for (const KdItem& item : items) box.add(item.at);
-  std::array<std::uint32_t, 3> axes{0, 1, 2};
-  std::stable_sort(axes.begin(), axes.end(),
-                   [&box](auto a, auto b) { return box.hi[a] - box.lo[a] > box.hi[b] - box.lo[b]; });
-  KdPlane best;
-  std::size_t best_smaller = 0;
-  for (const std::uint32_t axis : axes) {
-    const auto middle = items.begin() + static_cast<std::ptrdiff_t>(items.size() / 2);
-    std::nth_element(items.begin(), middle, items.end(),
-                     [axis](const KdItem& a, const KdItem& b) { return a.at[axis] < b.at[axis]; });
-    const float layer = std::floor(in_voxels(middle->at[axis]));
-    for (const float position : {layer, layer + 1.0F}) {
-      const auto left = static_cast<std::size_t>(std::count_if(
-          items.begin(), items.end(), [&](const KdItem& item) { return in_voxels(item.at[axis]) < position; }));
-      const std::size_t smaller = std::min(left, items.size() - left);
-      if (smaller <= best_smaller) continue;
-      best = {axis, position};
-      best_smaller = smaller;
+KdPlane KdNodes::choose_plane(std::span<const KdItem> items) const {
+  const std::array<std::uint32_t, 3> axes = longest_first(items);
+  Division best;
+  for (const bool exact : {false, true}) {
+    for (const std::uint32_t axis : axes) {
+      const float middle = exact ? median<kMaxItems>(items, axis) : median<kFewSamples>(items, axis);
+      const Division found = divide(items, *this, axis, middle);
+      if (found.smaller > best.smaller) best = found;
+      if (best.smaller * 4 >= items.size()) return best.plane;
     }
-    if (best_smaller * 4 >= items.size()) break;
+    if (best.smaller * 8 >= items.size() || items.size() <= kFewSamples) break;
   }
-  return best;
+  return best.plane;
 }
 
 std::size_t KdNodes::partition(std::span<KdItem> items, const KdPlane& plane) const {
@@ -144,8 +173,8 @@ void KdNodes::build_into(KdBranch& branch, std::span<KdItem> items) {
 }
 
 bool KdNodes::can_build(std::size_t items) const {
-  const std::size_t nodes = items / 2 + 2;  // a built leaf holds at least (17 - 1) / 6 points unless it is the only one
-  return leaves_.available() >= nodes && branches_.available() >= nodes / 2;
+  const std::size_t nodes = items / 2 + 2;  // a leaf that a plane made holds at least (17 - 1) / 6 points
+  return leaves_.available() >= nodes && branches_.available() >= nodes;
 }
 
 void KdNodes::fill(KdBranch& branch, std::uint32_t heap, std::span<KdItem> items, std::size_t limit) {

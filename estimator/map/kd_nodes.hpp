@@ -7,7 +7,9 @@
 // A plane lies on the voxel grid, hence a voxel is wholly in one leaf. A plane not in use is at +infinity (everything is
 // left of it). Leaves hold up to kKdLeafCapacity points; unused places are at +infinity, farther than any query.
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -19,6 +21,7 @@ namespace slamd {
 inline constexpr std::uint32_t kKdLanes = 8;
 inline constexpr std::uint32_t kKdPlanes = 7;
 inline constexpr std::uint32_t kKdLeafCapacity = 16;
+inline constexpr std::size_t kMaxItems = 1040;  // most points that are built into a subtree at once
 inline constexpr std::uint32_t kNoNode = 0xFFFF'FFFFU;
 inline constexpr std::uint32_t kLeafBit = 0x8000'0000U;
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -48,8 +51,13 @@ struct KdBox {
   std::array<float, 3> lo{kInfinity, kInfinity, kInfinity};
   std::array<float, 3> hi{-kInfinity, -kInfinity, -kInfinity};
 
-  void add(const std::array<float, 3>& point);
-  void add(const KdBox& other);
+  void add(const KdBox& other) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      lo[a] = std::min(lo[a], other.lo[a]);
+      hi[a] = std::max(hi[a], other.hi[a]);
+    }
+  }
+  void add(const std::array<float, 3>& point) { add({point, point}); }
 };
 
 /// Points whose coordinate in voxels is below `position` are left of the plane.
@@ -78,10 +86,14 @@ class KdPool {
   [[nodiscard]] std::uint32_t capacity() const { return static_cast<std::uint32_t>(nodes_.size()); }
   [[nodiscard]] std::uint32_t used() const { return capacity() - available(); }
 
+  /// No node at or above this index was ever taken.
+  [[nodiscard]] std::uint32_t high_water() const { return high_water_; }
+
   /// Precondition: available() > 0.
   std::uint32_t take() {
     const std::uint32_t index = free_.back();
     free_.pop_back();
+    high_water_ = std::max(high_water_, index + 1);
     return index;
   }
   void give_back(std::uint32_t index) { free_.push_back(index); }
@@ -92,6 +104,7 @@ class KdPool {
  private:
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> free_;
+  std::uint32_t high_water_ = 0;
 };
 
 class KdNodes {
@@ -121,9 +134,10 @@ class KdNodes {
   /// Points and box of all lanes together.
   [[nodiscard]] KdSubtree summary(std::uint32_t branch_ref) const;
 
-  /// The plane that divides the items best: across their longest extent, or across another axis when many share the
-  /// median's voxel layer. Distinct voxels always allow a smaller side of at least (n - 1) / 6. Needs n >= 2; reorders.
-  [[nodiscard]] KdPlane choose_plane(std::span<KdItem> items) const;
+  /// A plane that divides the items well: across their longest extent, or across another axis when many share the
+  /// median's voxel layer. As the voxels are distinct, the smaller side has at least min(n / 8, (n - 1) / 6) items.
+  /// Needs 2 <= n <= kMaxItems.
+  [[nodiscard]] KdPlane choose_plane(std::span<const KdItem> items) const;
   /// Reorders; returns how many items are left of the plane.
   [[nodiscard]] std::size_t partition(std::span<KdItem> items, const KdPlane& plane) const;
 
