@@ -6,6 +6,9 @@
 namespace slamd::nmea {
 namespace {
 
+constexpr unsigned kFirstYear = 1980;
+constexpr unsigned kLastYear = 2200;  // nanoseconds since 1970 end in 2262
+
 template <class Integer>
 std::optional<Integer> integer(std::string_view text) {
   Integer value{};
@@ -88,7 +91,7 @@ std::optional<std::chrono::sys_days> date(std::string_view day, std::string_view
   const auto d = integer<unsigned>(day);
   const auto m = integer<unsigned>(month);
   const auto y = integer<unsigned>(year);
-  if (!d || !m || !y || *y < 1980 || *y > 9999) return std::nullopt;
+  if (!d || !m || !y || *y < kFirstYear || *y > kLastYear) return std::nullopt;
   return valid_date(static_cast<int>(*y), *m, *d);
 }
 

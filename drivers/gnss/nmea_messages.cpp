@@ -58,12 +58,13 @@ GgaMessage decode_gga(const NmeaSentence& s) {
 RmcMessage decode_rmc(const NmeaSentence& s) {
   RmcMessage rmc;
   rmc.time_of_day = nmea::time_of_day(s.field(0));
-  rmc.active = nmea::letter(s.field(1)) == 'A';
+  const char mode = nmea::letter(s.field(11));
+  rmc.active = nmea::letter(s.field(1)) == 'A' && mode != 'N';
   rmc.position = position(s, 2);
   rmc.speed_mps = scaled(nmea::non_negative(s.field(6)), kMpsPerKnot);
   rmc.course_deg = nmea::non_negative(s.field(7));
   rmc.date = nmea::date_ddmmyy(s.field(8));
-  rmc.quality = rmc.active ? quality_of_mode(nmea::letter(s.field(11))) : GnssQuality::kNone;
+  rmc.quality = rmc.active ? quality_of_mode(mode) : GnssQuality::kNone;
   return rmc;
 }
 

@@ -28,7 +28,7 @@ struct GgaMessage {
 struct RmcMessage {
   std::optional<Duration> time_of_day;
   std::optional<std::chrono::sys_days> date;
-  bool active = false;  // status A
+  bool active = false;  // status A, and a mode that is not N
   std::optional<GeoPosition> position;
   std::optional<double> speed_mps;
   std::optional<double> course_deg;

@@ -53,6 +53,7 @@ TEST(NmeaFields, Dates) {
   for (const std::string_view bad : {"", "290223", "000126", "010026", "1326", "01062026"}) EXPECT_FALSE(date_ddmmyy(bad)) << bad;
   EXPECT_EQ(date("01", "06", "2026"), sys_days{year{2026} / 6 / 1});
   EXPECT_FALSE(date("01", "06", "26"));
+  EXPECT_FALSE(date("01", "06", "2300"));
 }
 
 }  // namespace

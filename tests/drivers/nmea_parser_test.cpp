@@ -206,6 +206,13 @@ TEST(NmeaParser, NoFixWhereTheReceiverSaysSo) {
   EXPECT_EQ(f.parser.stats().epochs_without_fix, 6U);
 }
 
+TEST(NmeaParser, AModeOfNoneIsNoFixWhateverTheStatusSays) {
+  Fixes f;
+  f.feed(sentence("GPRMC,000010.00,A,4815.91801,N,01140.28435,E,,,010626,,,N"), at(10));
+  f.finish();
+  EXPECT_TRUE(f.fixes.empty());
+}
+
 TEST(NmeaParser, ASentenceOfThePastSecondIsIgnored) {
   Fixes f;
   for (int s = 0; s < 5; ++s) f.feed(gga(s), at(s));
