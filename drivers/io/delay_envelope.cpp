@@ -17,6 +17,21 @@ constexpr int kNodes = 24;
 constexpr std::uint32_t kAlwaysFit = 256;  // first delays: every one moves the line
 constexpr std::size_t kFewestBins = 16;    // kept however old they are: slow streams
 
+/// Mean and deviation of weighted values.
+class WeightedMoments {
+ public:
+  void add(double weight, double value) {
+    weight_ += weight;
+    sum_ += weight * value;
+    sum_2_ += weight * value * value;
+  }
+  double mean() const { return sum_ / weight_; }
+  double deviation() const { return std::sqrt(std::max(0.0, sum_2_ / weight_ - mean() * mean())); }
+
+ private:
+  double weight_ = 0.0, sum_ = 0.0, sum_2_ = 0.0;
+};
+
 }  // namespace
 
 struct DelayEnvelope::Hull {
@@ -79,6 +94,23 @@ class DelayEnvelope::Posterior {
       (log(middle) > floor ? inside : outside) = middle;
     }
     return outside;
+  }
+  /// The line at x_s: midpoint rule between the edges, relative to the mode so that no digits are lost.
+  Line integrate(double x_s) const {
+    const double top = mode();
+    const double low = edge(top, -1.0);
+    const double step = (edge(top, 1.0) - low) / kNodes;
+    const double log_top = log(top);
+    const double reference_ns = height_ns(top);
+    WeightedMoments skew;
+    WeightedMoments offset_ns;
+    for (int i = 0; i < kNodes; ++i) {
+      const double s = low + (i + 0.5) * step;
+      const double weight = std::exp(log(s) - log_top);
+      skew.add(weight, s - top);
+      offset_ns.add(weight, height_ns(s) - reference_ns + s * 1e9 * (x_s - mean_x_s_));
+    }
+    return {x_s, reference_ns + offset_ns.mean(), top + skew.mean(), offset_ns.deviation(), skew.deviation()};
   }
 
  private:
@@ -187,34 +219,11 @@ void DelayEnvelope::fit(double x_s) {
     count += bins_[i].count;
     sum_x_s += bins_[i].sum_x_s;
   }
-  const double mean_x_s = sum_x_s / count;
-  const Posterior posterior{hull, mean_x_s, count / jitter_ns(), prior_skew_, prior_sigma_};
-  const double mode = posterior.mode();
-  const double low = posterior.edge(mode, -1.0);
-  const double step = (posterior.edge(mode, 1.0) - low) / kNodes;
-  const double log_mode = posterior.log(mode);
-  const double reference_ns = posterior.height_ns(mode);
-
-  double weight = 0.0, skew = 0.0, skew_2 = 0.0, offset = 0.0, offset_2 = 0.0;
-  for (int i = 0; i < kNodes; ++i) {
-    const double s = low + (i + 0.5) * step;
-    const double w = std::exp(posterior.log(s) - log_mode);
-    const double y = posterior.height_ns(s) - reference_ns + s * 1e9 * (x_s - mean_x_s);
-    weight += w;
-    skew += w * (s - mode);
-    skew_2 += w * (s - mode) * (s - mode);
-    offset += w * y;
-    offset_2 += w * y * y;
-  }
+  const Posterior posterior{hull, sum_x_s / count, count / jitter_ns(), prior_skew_, prior_sigma_};
+  line_ = posterior.integrate(x_s);
   const double gap_ns = jitter_ns() / (count + 1.0);  // expected distance of the lowest of `count` above the edge
-  const double mean_skew = skew / weight;
-  const double mean_offset = offset / weight;
-  line_.x_s = x_s;
-  line_.skew = mode + mean_skew;
-  line_.skew_sigma = std::sqrt(std::max(0.0, skew_2 / weight - mean_skew * mean_skew));
-  line_.offset_ns = reference_ns + mean_offset - gap_ns;
-  line_.sigma_ns = std::hypot(std::sqrt(std::max(0.0, offset_2 / weight - mean_offset * mean_offset)), gap_ns,
-                              0.5 * config_.noise_floor_s * 1e9);
+  line_.offset_ns -= gap_ns;
+  line_.sigma_ns = std::hypot(line_.sigma_ns, gap_ns, 0.5 * config_.noise_floor_s * 1e9);
 }
 
 }  // namespace slamd

@@ -5,7 +5,8 @@
 #include <cstdio>
 #include <fstream>
 #include <random>
-#include <sstream>
+#include <string>
+#include <vector>
 
 #include "tests/drivers/nmea_text.hpp"
 
@@ -230,6 +231,25 @@ TEST(NmeaParser, OfSeveralTalkersTheOneWithMostSatellitesCounts) {
   f.finish();
   ASSERT_EQ(f.fixes.size(), 1U);
   EXPECT_EQ(f.fixes[0].satellites, 12);
+}
+
+/// The sample drive's receiver sends some 120 ms after the second; host time is UTC there.
+TEST(NmeaParser, StampsTheFixesOfTheSampleDriveWithTheirOwnSecond) {
+  std::ifstream file{std::string{SLAMD_SHARED_DATA} + "/drive_sample/gps.csv"};
+  if (!file) GTEST_SKIP() << "shared data is not here";
+  Fixes f;
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t comma = line.find(',');
+    if (line.starts_with("t_ns")) continue;
+    f.feed(line.substr(comma + 1) + "\r\n", from_ns<HostTime>(std::stoll(line)));
+  }
+  f.finish();
+  EXPECT_EQ(f.fixes.size(), 24U);
+  for (const GnssFix& fix : f.fixes) {
+    EXPECT_NEAR(to_seconds(fix.time.time_since_epoch() - fix.utc.time_since_epoch()), 0.0, 0.005);
+    EXPECT_GE(fix.sigma_horizontal_m, 1.0);
+    EXPECT_TRUE(fix.height_valid);
+  }
 }
 
 TEST(NmeaParser, VelocityOfVtgWhereRmcIsNotSent) {
