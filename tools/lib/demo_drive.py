@@ -20,6 +20,7 @@ def parse_arguments():
     parser.add_argument("--scenario", default="campus")
     parser.add_argument("--drive", help="a recorded drive folder instead of the simulator")
     parser.add_argument("--out", default=os.path.join(programs.ROOT, "out/demo"))
+    parser.add_argument("--build-dir", default=programs.BUILD, help="where the programs are (default: build/release)")
     parser.add_argument("--config", default=os.path.join(programs.ROOT, "config/slamd.yaml"))
     options = parser.parse_args()
     if options.seconds is not None and options.seconds <= 0:
@@ -140,6 +141,7 @@ def interrupt(*_):
 
 def main():
     options = parse_arguments()
+    programs.BUILD = options.build_dir
     options.out = os.path.abspath(options.out)
     os.makedirs(options.out, exist_ok=True)
     signal.signal(signal.SIGTERM, interrupt)

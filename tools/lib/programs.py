@@ -57,14 +57,14 @@ class Programs:
         self.running.append((name, child))
         return child
 
-    def stop(self, name):
-        """SIGTERM, and SIGKILL after 10 s. Returns the exit code."""
+    def stop(self, name, patience_s=10.0):
+        """SIGTERM, and SIGKILL when that is ignored. Returns the exit code."""
         entry = next(entry for entry in self.running if entry[0] == name)
         child = entry[1]
         if child.poll() is None:
             child.send_signal(signal.SIGTERM)
             try:
-                child.wait(10)
+                child.wait(patience_s)
             except subprocess.TimeoutExpired:
                 child.kill()
                 child.wait()

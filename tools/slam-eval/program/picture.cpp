@@ -1,6 +1,5 @@
 // slam-eval picture: a map from above with the trajectory on it, coloured by error when there is a truth.
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <map>
@@ -35,10 +34,16 @@ double length_m(const std::vector<Pose>& poses) {
   return sum;
 }
 
-std::string text(const char* pattern, double a, double b) {
+template <class... Values>
+std::string text(const char* pattern, Values... values) {
   char line[160];
-  std::snprintf(line, sizeof(line), pattern, a, b);
+  std::snprintf(line, sizeof(line), pattern, values...);
   return line;
+}
+
+std::string point_count(std::size_t count) {
+  const double n = static_cast<double>(count);
+  return n < 1e6 ? text("%.0f thousand map points", n / 1e3) : text("%.1f million map points", n / 1e6);
 }
 
 void add_plain_path(const Trajectory& trajectory, plot::MapPicture& picture) {
@@ -66,11 +71,10 @@ void run_picture(const PictureOptions& o) {
   picture.colour = o.colour;
   picture.title = o.title;
   picture.width_px = o.width_px;
-  picture.subtitle = text("%.0f thousand map points", static_cast<double>(picture.points.size()) / 1000.0, 0.0);
+  picture.subtitle = point_count(picture.points.size());
   if (!o.trajectory_path.empty()) {
     const Trajectory trajectory = load_trajectory(o.trajectory_path, guess_format(o.trajectory_path));
-    picture.subtitle = text("%.0f m driven  ·  %.0f thousand map points", length_m(trajectory.poses),
-                            static_cast<double>(picture.points.size()) / 1000.0);
+    picture.subtitle = text("%.0f m driven  ·  ", length_m(trajectory.poses)) + picture.subtitle;
     if (o.truth_path.empty()) {
       add_plain_path(trajectory, picture);
     } else {
