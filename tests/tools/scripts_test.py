@@ -188,6 +188,11 @@ class CountTests(Folder):
         self.assertEqual(self.count({"a": "fail", "b": "run"}), [1, 1, 0])
         self.assertEqual(self.count({"a": "fail"}, a="<testsuites><test"), [0, 1, 0])
 
+    def test_cases_of_python_scripts_are_summed(self):
+        junit = self.write("ctest.xml", '<testsuite><testcase name="a" status="fail"><system-out>..F\n----\nRan 9 tests in 1.2s'
+                                        '\n\nFAILED (failures=1, errors=2, skipped=1)</system-out></testcase></testsuite>')
+        self.assertEqual(count_tests.count(junit, self.root), [5, 3, 1])
+
     def test_a_failure_after_passed_cases_is_not_lost(self):
         report = '<testsuites><testsuite><testcase status="run" result="completed"/></testsuite></testsuites>'
         self.assertEqual(self.count({"a": "fail"}, a=report), [1, 1, 0])
