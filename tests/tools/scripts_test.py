@@ -1,5 +1,6 @@
 """tools/check-includes, tools/install-packages and tools/lib/count_tests.py: what they let pass and what they refuse."""
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -53,6 +54,12 @@ class CheckIncludes(Folder):
         self.write("estimator/filter/f.cpp", '#include "estimator/map/tree.hpp"\n#include "estimator/types/time.hpp"\n')
         self.write("daemon/server/s.cpp", '#include "daemon/ring/ring.hpp"\n')
         self.assertEqual(self.check(), (0, "check-includes: clean\n"))
+
+    def test_a_copy_without_git_is_checked_all_the_same(self):
+        shutil.rmtree(os.path.join(self.root, ".git"))
+        self.write("build/dev/generated.hpp", "int x;\n")
+        self.write("estimator/map/m.cpp", '#include "drivers/io/source.hpp"\n')
+        self.assert_refused('estimator/map may not include "drivers/io/source.hpp"')
 
     def test_include_up_the_table_fails(self):
         self.write("estimator/map/m.cpp", '\n#include "drivers/io/source.hpp"\n')
@@ -191,14 +198,68 @@ class CountTests(Folder):
     def test_cases_of_python_scripts_are_summed(self):
         junit = self.write("ctest.xml", '<testsuite><testcase name="a" status="fail"><system-out>..F\n----\nRan 9 tests in 1.2s'
                                         '\n\nFAILED (failures=1, errors=2, skipped=1)</system-out></testcase></testsuite>')
-        self.assertEqual(count_tests.count(junit, self.root), [5, 3, 1])
+        self.assertEqual(count_tests.count(junit, os.path.join(self.root, "gtest")), [5, 3, 1])
 
     def test_a_failure_after_passed_cases_is_not_lost(self):
         report = '<testsuites><testsuite><testcase status="run" result="completed"/></testsuite></testsuites>'
         self.assertEqual(self.count({"a": "fail"}, a=report), [1, 1, 0])
 
 
-class TestScript(unittest.TestCase):
+class TestStages(Folder):
+    """tools/test in a copy of its own, with stand-ins for cmake and ctest."""
+
+    def setUp(self):
+        super().setUp()
+        shutil.copytree(os.path.join(ROOT, "tools"), os.path.join(self.root, "tools"),
+                        ignore=lambda folder, names: [n for n in names if n.startswith("slam")])
+        self.write("tools/check-includes", "print('clean')\n")
+        self.stand_in("cmake", "exit 0")
+        self.ctest_gives('<testcase name="a_test" status="run"/><testcase name="b_test" status="run"/>', 0)
+
+    def stand_in(self, name, body):
+        self.write(f"bin/{name}", f"#!/bin/bash\n{body}\n", 0o755)
+
+    def ctest_gives(self, cases, code):
+        self.stand_in("ctest", f"""
+while [ $# -gt 0 ]; do [ "$1" = --output-junit ] && echo '<testsuite>{cases}</testsuite>' >"$2"; shift; done
+exit {code}""")
+
+    def run_stages(self, *options):
+        path = os.path.join(self.root, "bin") + ":" + os.environ["PATH"]
+        run = subprocess.run([os.path.join(self.root, "tools/test"), "--no-install", *options], capture_output=True,
+                             text=True, check=False, env={**os.environ, "PATH": path})
+        return run.returncode, run.stdout.splitlines()
+
+    def test_all_well_ends_with_the_sum_of_cases(self):
+        code, lines = self.run_stages("--fast")
+        self.assertEqual((code, lines[-1]), (0, "4 passed, 0 failed"), lines)
+        self.assertEqual([line.split()[0] for line in lines[:3]], ["includes", "build", "unit"])
+
+    def test_a_failing_case_fails_the_run_but_not_the_stages_after_it(self):
+        self.ctest_gives('<testcase name="a_test" status="run"/><testcase name="b_test" status="fail"/>', 8)
+        code, lines = self.run_stages("--stage", "unit", "--stage", "includes")
+        self.assertEqual((code, lines[-1]), (1, "2 passed, 1 failed"), lines)
+
+    def test_without_a_build_nothing_is_run(self):
+        self.stand_in("cmake", "echo broken.cpp:3: error; exit 1")
+        code, lines = self.run_stages("--fast")
+        self.assertEqual((code, lines[-1]), (1, "1 passed, 1 failed"), lines)
+        self.assertIn("broken.cpp:3: error", lines)
+        self.assertFalse(any(line.startswith("unit") for line in lines))
+
+    def test_a_wrong_include_is_a_failure(self):
+        self.write("tools/check-includes", "print('a.cpp:1: may not'); raise SystemExit(1)\n")
+        code, lines = self.run_stages("--stage", "includes")
+        self.assertEqual((code, lines[-1]), (1, "0 passed, 1 failed"), lines)
+        self.assertIn("a.cpp:1: may not", lines)
+
+    def test_ctest_that_dies_without_a_report_is_a_failure(self):
+        self.stand_in("ctest", "exit 9")
+        code, lines = self.run_stages("--stage", "unit")
+        self.assertEqual((code, lines[-1]), (1, "0 passed, 1 failed"), lines)
+
+
+class TestOptions(unittest.TestCase):
     def run_test(self, *options):
         return subprocess.run([os.path.join(ROOT, "tools/test"), *options], capture_output=True, text=True, check=False)
 
