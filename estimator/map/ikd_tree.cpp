@@ -15,7 +15,9 @@ constexpr std::uint32_t kPointsPerLeaf = 6;
 constexpr std::uint32_t kLeavesPerBranch = 3;
 constexpr std::uint32_t kSpareNodes = 1024;
 
-std::array<float, 3> array_of(const Eigen::Vector3f& point) { return {point.x(), point.y(), point.z()}; }
+std::array<float, 3> array_of(const Eigen::Vector3f& point) {
+  return {point.x(), point.y(), point.z()};
+}
 
 /// Bit i: point i of the leaf is in the voxel with the lower corner `corner` (in voxels).
 std::uint32_t in_voxel(const KdLeaf& leaf, const KdNodes& nodes, const std::array<float, 3>& corner) {

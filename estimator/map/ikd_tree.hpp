@@ -31,10 +31,10 @@ struct IkdTreeStats {
   std::uint64_t rejected_invalid = 0;  // not finite, or more than kMaxVoxel voxels from the origin
   std::uint64_t rejected_full = 0;     // no slot or no node left
   std::uint64_t removed = 0;
-  std::uint64_t rebuilds = 0;           // subtrees built anew from their points
+  std::uint64_t rebuilds = 0;  // subtrees built anew from their points
   std::uint64_t rebuilt_points = 0;
-  std::uint64_t regrown = 0;            // large subtrees that got new top planes
-  std::uint64_t work = 0;               // nodes inspected or divided and points moved by re-balancing and removal
+  std::uint64_t regrown = 0;  // large subtrees that got new top planes
+  std::uint64_t work = 0;     // nodes inspected or divided and points moved by re-balancing and removal
 };
 
 /// Not thread-safe: searches are const and may run together, changes need the tree alone. All coordinates are metres in

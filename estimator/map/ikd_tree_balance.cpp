@@ -7,10 +7,10 @@
 namespace slamd {
 namespace {
 
-constexpr std::uint32_t kSmall = 48;        // fewer points are not worth a rebuild
-constexpr std::uint32_t kLaneFloor = 128;   // a lane of so few points is never too heavy
+constexpr std::uint32_t kSmall = 48;         // fewer points are not worth a rebuild
+constexpr std::uint32_t kLaneFloor = 128;    // a lane of so few points is never too heavy
 constexpr std::uint32_t kInspections = 512;  // branches looked at in one call: all are, within a few scans
-constexpr std::size_t kSamples = 256;       // points that stand for a large subtree when its planes are chosen
+constexpr std::size_t kSamples = 256;        // points that stand for a large subtree when its planes are chosen
 
 bool changed_much(std::uint32_t count, std::uint32_t built) {
   const std::uint32_t change = count > built ? count - built : built - count;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "estimator/map/ikd_tree.hpp"
 #include "estimator/map/ikd_tree_path.hpp"
@@ -9,14 +10,19 @@
 namespace slamd {
 namespace {
 
+constexpr float kRoundingMargin = 1.00001F;
+
 /// The least bound that a point at squared distance `d2` is below.
-float just_above(float d2) { return std::nextafter(d2, kInfinity); }
+float just_above(float d2) {
+  return std::nextafter(d2, kInfinity);
+}
 
 /// The k <= 8 nearest so far in two vector registers: ascending, the k-th in lane 7, unused lanes at -infinity.
 class NearestEight {
  public:
-  NearestEight(std::size_t k, float bound) : first_(static_cast<std::int32_t>(8 - k)), bound_(bound) {
-    for (std::int32_t i = 0; i < 8; ++i) distances_[i] = i < first_ ? -kInfinity : bound;
+  NearestEight(std::size_t k, float bound) : first_(8 - k), bound_(bound) {
+    constexpr Int8 kLane{0, 1, 2, 3, 4, 5, 6, 7};
+    distances_ = kLane < splat8(static_cast<std::int32_t>(first_)) ? splat8(-kInfinity) : splat8(bound);
   }
   [[nodiscard]] float bound() const { return bound_; }
 
@@ -33,18 +39,19 @@ class NearestEight {
   }
 
   std::size_t write(std::span<Neighbour> out) const {
+    alignas(32) float distances[8];
+    alignas(32) std::uint32_t slots[8];
+    store8(distances_, distances);
+    std::memcpy(slots, &slots_, sizeof slots);
     std::size_t found = 0;
-    for (std::int32_t i = first_; i < 8; ++i) {
-      if (slots_[i] == -1) break;
-      out[found++] = {static_cast<std::uint32_t>(slots_[i]), distances_[i]};
-    }
+    for (std::size_t i = first_; i < 8 && slots[i] != kNoSlot; ++i) out[found++] = {slots[i], distances[i]};
     return found;
   }
 
  private:
   Float8 distances_ = splat8(0.0F);
   Int8 slots_ = splat8(-1);
-  std::int32_t first_;
+  std::size_t first_;
   float bound_;
 };
 
@@ -169,20 +176,19 @@ std::size_t IkdTree::nearest(const Eigen::Vector3f& query, std::span<Neighbour> 
 void IkdTree::nearest_many(std::span<const Eigen::Vector3f> queries, std::size_t k, float max_distance_m,
                            std::span<Neighbour> out, std::span<std::uint8_t> counts) const {
   const float widest = just_above(max_distance_m * max_distance_m);
-  std::span<const Neighbour> previous;
+  std::size_t previous = queries.size();  // the last query that had k answers
   for (std::size_t i = 0; i < queries.size(); ++i) {
     counts[i] = 0;
     if (!queries[i].allFinite() || !(max_distance_m >= 0.0F)) continue;
     float bound = widest;
-    if (previous.size() == k) {
-      float farthest = 0.0F;  // k points are known to be no farther than this
-      for (const Neighbour& known : previous)
-        farthest = std::max(farthest, (points_[known.slot] - queries[i]).squaredNorm());
-      bound = std::min(bound, farthest * 1.000001F + std::numeric_limits<float>::min());
+    if (previous < i) {  // its answers are no farther from here than from there plus the way between
+      const float reach =
+          std::sqrt(out[previous * k + k - 1].squared_distance_m2) + (queries[i] - queries[previous]).norm();
+      bound = std::min(bound, reach * reach * kRoundingMargin + std::numeric_limits<float>::min());
     }
     const std::span<Neighbour> answer = out.subspan(i * k, k);
     counts[i] = static_cast<std::uint8_t>(search_nearest(nodes_, queries[i], bound, answer));
-    previous = answer.first(counts[i]);
+    if (counts[i] == k) previous = i;
   }
 }
 

@@ -141,9 +141,8 @@ KdPlane KdNodes::choose_plane(std::span<const KdItem> items) const {
 }
 
 std::size_t KdNodes::partition(std::span<KdItem> items, const KdPlane& plane) const {
-  const auto middle = std::partition(items.begin(), items.end(), [&](const KdItem& item) {
-    return in_voxels(item.at[plane.axis]) < plane.position;
-  });
+  const auto middle = std::partition(
+      items.begin(), items.end(), [&](const KdItem& item) { return in_voxels(item.at[plane.axis]) < plane.position; });
   return static_cast<std::size_t>(middle - items.begin());
 }
 
@@ -198,8 +197,7 @@ std::size_t KdNodes::gather(const KdSubtree& subtree, std::span<KdItem> out) {
     for (; taken < subtree.count; ++taken)
       out[taken] = {{from.at[0][taken], from.at[1][taken], from.at[2][taken]}, from.slot[taken]};
   } else {
-    for (std::uint32_t l = 0; l < kKdLanes; ++l)
-      taken += gather(lane(branches_[subtree.ref], l), out.subspan(taken));
+    for (std::uint32_t l = 0; l < kKdLanes; ++l) taken += gather(lane(branches_[subtree.ref], l), out.subspan(taken));
   }
   release(subtree.ref);
   return taken;

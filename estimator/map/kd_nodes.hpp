@@ -4,8 +4,8 @@
 //
 // A branch is three levels of a binary k-d tree in one node: seven planes in heap order (children of h are 2h+1, 2h+2)
 // and up to eight children ("lanes") with their tight boxes side by side, so that one vector instruction tests all.
-// A plane lies on the voxel grid, hence a voxel is wholly in one leaf. A plane not in use is at +infinity (everything is
-// left of it). Leaves hold up to kKdLeafCapacity points; unused places are at +infinity, farther than any query.
+// A plane lies on the voxel grid, hence a voxel is wholly in one leaf. A plane not in use is at +infinity (everything
+// is left of it). Leaves hold up to kKdLeafCapacity points; unused places are at +infinity, farther than any query.
 
 #include <algorithm>
 #include <array>
@@ -72,7 +72,9 @@ struct KdSubtree {
   KdBox box;
 };
 
-inline bool is_leaf(std::uint32_t ref) { return (ref & kLeafBit) != 0; }
+inline bool is_leaf(std::uint32_t ref) {
+  return (ref & kLeafBit) != 0;
+}
 
 /// A fixed number of nodes with a free list. No allocation after construction.
 template <typename Node>

@@ -9,8 +9,8 @@
 #include <immintrin.h>
 #endif
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpsabi"  // without AVX the vectors travel by memory, between inline functions only
+// Without AVX the vectors travel by memory; only inside the files that include this, whose calls all agree on it.
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace slamd {
 
@@ -23,11 +23,17 @@ inline Float8 load8(const float* from) {
   return out;
 }
 
-inline void store8(Float8 value, float* to) { std::memcpy(to, &value, sizeof value); }
+inline void store8(Float8 value, float* to) {
+  std::memcpy(to, &value, sizeof value);
+}
 
-inline Float8 splat8(float value) { return Float8{} + value; }
+inline Float8 splat8(float value) {
+  return Float8{} + value;
+}
 
-inline Int8 splat8(std::int32_t value) { return Int8{} + value; }
+inline Int8 splat8(std::int32_t value) {
+  return Int8{} + value;
+}
 
 inline Float8 max8(Float8 a, Float8 b) {
 #ifdef __AVX__
@@ -58,8 +64,8 @@ inline std::uint32_t bits8(Int8 mask) {
 
 /// x*x + y*y + z*z in each lane. Boxes and points use this one function: rounding is monotone, so that the distance of
 /// a box is never above that of a point inside it.
-inline Float8 squared_norm8(Float8 x, Float8 y, Float8 z) { return x * x + y * y + z * z; }
+inline Float8 squared_norm8(Float8 x, Float8 y, Float8 z) {
+  return x * x + y * y + z * z;
+}
 
 }  // namespace slamd
-
-#pragma GCC diagnostic pop

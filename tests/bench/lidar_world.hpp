@@ -21,7 +21,8 @@ class LidarWorld {
       for (const float side : {-1.0F, 1.0F}) {
         const float y = side * (14.0F + 18.0F * unit(random_));
         const float width = 8.0F + 14.0F * unit(random_);
-        boxes_.push_back({{x, std::min(y, y + side * 12), 0}, {x + width, std::max(y, y + side * 12), 5 + 12 * unit(random_)}});
+        boxes_.push_back(
+            {{x, std::min(y, y + side * 12), 0}, {x + width, std::max(y, y + side * 12), 5 + 12 * unit(random_)}});
         crowns_.emplace_back(x + 20.0F + 6.0F * unit(random_), side * (8.0F + 6.0F * unit(random_)), 4.5F);
       }
     }
@@ -63,7 +64,8 @@ class LidarWorld {
       if (std::abs(crown.x() - from.x()) > 100.0F) continue;
       const float along = (crown - from).dot(beam);
       const float half_squared = 5.0F - ((crown - from) - along * beam).squaredNorm();
-      if (along > 0.0F && half_squared > 0.0F) range = std::min(range, along + depth(random_) * std::sqrt(half_squared));
+      if (along > 0.0F && half_squared > 0.0F)
+        range = std::min(range, along + depth(random_) * std::sqrt(half_squared));
     }
     return range;
   }

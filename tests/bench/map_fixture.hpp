@@ -64,7 +64,8 @@ inline MapFixture make_fixture(World world) {
   while (map.points.size() < kMapPoints)
     for (const Eigen::Vector3f& point : drive.next())
       if (map.points.size() < kMapPoints && voxels.insert(voxel_key(point)).second) map.points.push_back(point);
-  for (const Eigen::Vector3f& point : drive.next()) map.queries.push_back(point + Eigen::Vector3f(0.06F, -0.06F, 0.05F));
+  for (const Eigen::Vector3f& point : drive.next())
+    map.queries.push_back(point + Eigen::Vector3f(0.06F, -0.06F, 0.05F));
   for (std::size_t i = 0; i < kBatches; ++i) map.batches.push_back(drive.next());
   return map;
 }

@@ -61,7 +61,10 @@ class Checked {
       std::vector<Neighbour> single(k);
       single.resize(tree.nearest(queries[i], single, max_distance));
       check_nearest(queries[i], single, k, expected);
-      check_nearest(queries[i], {many.begin() + static_cast<std::ptrdiff_t>(i * k), many.begin() + static_cast<std::ptrdiff_t>(i * k + counts[i])}, k, expected);
+      check_nearest(queries[i],
+                    {many.begin() + static_cast<std::ptrdiff_t>(i * k),
+                     many.begin() + static_cast<std::ptrdiff_t>(i * k + counts[i])},
+                    k, expected);
       std::vector<Neighbour> around(expected.size());
       ASSERT_EQ(tree.radius(queries[i], max_distance, around), expected.size());
     }
@@ -335,6 +338,31 @@ TEST(IkdTree, NeverDoesMuchMoreWorkThanItsBudget) {
   }
   EXPECT_GT(calls, 1);
   EXPECT_LT(tree.size(), 40'000U);
+}
+
+/// Scales from one voxel to kilometres, until the tree is full.
+TEST(IkdTree, AccountsForEachInsertWhileItFillsUp) {
+  IkdTree tree({.voxel_size_m = 0.5F, .max_points = 60'000});
+  std::mt19937 random(15);
+  std::vector<Vector3f> offered;
+  for (int i = 0; i < 40; ++i) {
+    const float spread = std::pow(1.25F, static_cast<float>(i));
+    for (const Vector3f& p : uniform(random, 3'000, Vector3f(spread, spread, spread))) offered.push_back(p);
+  }
+  std::size_t stored = 0;
+  for (std::size_t i = 0; i < offered.size(); ++i) {
+    stored += static_cast<std::size_t>(tree.insert(offered[i]).is_new);
+    if (i % 500 == 0) tree.rebalance(1'000);
+  }
+  EXPECT_EQ(tree.size(), stored);
+  const IkdTreeStats& stats = tree.stats();
+  EXPECT_EQ(stats.inserted + stats.occupied + stats.rejected_invalid + stats.rejected_full, offered.size());
+  EXPECT_GT(stats.rejected_full, 0U);
+  for (const Vector3f& p : uniform(random, 200, Vector3f(50, 50, 50))) {
+    const std::uint32_t slot = tree.find_voxel(p);
+    if (slot == kNoSlot) continue;
+    EXPECT_LT((tree.point(slot) - p).cwiseAbs().maxCoeff(), 0.5F);
+  }
 }
 
 TEST(IkdTree, GivesRemovedSlotsBackInBoundedSteps) {
