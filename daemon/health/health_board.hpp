@@ -22,9 +22,9 @@ struct SourceHealth {
   HostTime last_arrival;          // of the newest good item; only meaningful when received > 0
   std::uint64_t received = 0;     // good items (packets, samples, sentences)
   std::uint64_t lost = 0;         // never arrived, as told by stamps or sequence numbers
-  std::string device;             // "udp:0.0.0.0:2368", "/dev/ttyACM0"
-  std::string state;              // one word, e.g. "healthy", "absent"
-  std::vector<std::pair<std::string, std::uint64_t>> rejected;  // by cause
+  std::string device{};            // "udp:0.0.0.0:2368", "/dev/ttyACM0"
+  std::string state{};            // one word, e.g. "healthy", "absent"
+  std::vector<std::pair<std::string, std::uint64_t>> rejected{};  // by cause
 };
 
 class HealthBoard {

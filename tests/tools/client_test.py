@@ -1,0 +1,148 @@
+"""The Python client and slamctl against a real server over a made-up drive (tests/support/canned_server.cpp)."""
+
+import asyncio
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+SOURCE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+sys.path.insert(0, os.path.join(SOURCE, "tools", "client", "python"))
+
+import slamd  # noqa: E402
+
+
+class WithServer(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="slamd_client_")
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.path = os.path.join(self.folder, "slamd.sock")
+        self.server = subprocess.Popen([os.environ["CANNED_SERVER"], self.path, self.folder], stdin=subprocess.PIPE,
+                                       stdout=subprocess.PIPE, text=True)
+        self.addCleanup(self.stop)
+        self.assertEqual(self.server.stdout.readline(), "ready\n")
+
+    def stop(self):
+        self.server.stdin.close()
+        self.server.wait(60)
+        self.server.stdout.close()
+
+    def slamctl(self, *arguments, code=0):
+        done = subprocess.run([os.environ["SLAMCTL"], *arguments], capture_output=True, text=True, timeout=120,
+                              env={**os.environ, "SLAMD_SOCKET": self.path})
+        self.assertEqual(done.returncode, code, done.stderr)
+        return done.stdout
+
+
+class BlockingClient(WithServer):
+    def test_calls_give_results_and_errors_are_exceptions(self):
+        with slamd.Client(self.path) as daemon:
+            self.assertEqual(daemon.version["protocol"], 1)
+            self.assertEqual(daemon.call("get_status")["map"]["keyframes"], 100)
+            with self.assertRaises(slamd.RpcError) as caught:
+                daemon.call("no_such_method")
+            self.assertEqual(caught.exception.code, -32601)
+            self.assertEqual(daemon.call("get_status")["version"], "0.0.1")
+
+    def test_poses_come_in_order(self):
+        with slamd.Client(self.path) as daemon:
+            sequences = []
+            for pose in daemon.poses(rate_hz=200):
+                sequences.append(pose["sequence"])
+                if len(sequences) == 20:
+                    break
+            self.assertEqual(sequences, sorted(set(sequences)))
+
+    def test_the_map_comes_as_a_file(self):
+        with slamd.Client(self.path) as daemon:
+            result, pcd = daemon.map_bytes(voxel_size_m=0.5, box={"min_m": [0, 0, 0], "max_m": [9.9, 99, 9]})
+            self.assertEqual(result["points"], 500)
+            self.assertEqual(len(pcd), result["bytes"])
+            self.assertTrue(pcd.startswith(b"# .PCD"))
+            self.assertEqual(len(daemon.trajectory_tum().splitlines()), 100)
+
+    def test_the_pose_page_agrees_with_the_socket_and_outlives_the_connection(self):
+        with slamd.Client(self.path) as daemon:
+            page = daemon.pose_page()
+            pose = daemon.call("get_pose")
+        sample = page.read()
+        while sample.sequence < pose["sequence"]:
+            sample = page.read()
+        self.assertEqual(sample.status, "TRACKING")
+        self.assertEqual(sample.map_position_m[1:], (2.0, 3.0))
+        self.assertEqual(sample.map_rotation_xyzw, (0.0, 0.0, 0.0, 1.0))
+        self.assertEqual([sample.covariance[i * 7] for i in range(6)], [0.01] * 6)
+        self.assertEqual(list(sample.covariance), pose["covariance"])
+        self.assertIsNone(sample.utc_offset_ns)
+        self.assertLess(abs(time.monotonic_ns() - sample.time_ns), 60e9)
+
+    def test_nobody_at_the_socket_and_a_daemon_that_leaves_are_clear_errors(self):
+        with self.assertRaises(slamd.ConnectionLost):
+            slamd.Client(os.path.join(self.folder, "none.sock"))
+        with slamd.Client(self.path) as daemon:
+            self.server.stdin.close()
+            self.server.wait(60)
+            with self.assertRaises(slamd.ConnectionLost):
+                daemon.call("get_status")
+
+
+class AsynchronousClient(WithServer):
+    def test_overlapping_calls_poses_and_map(self):
+        async def use():
+            daemon = await slamd.AsyncClient.connect(self.path)
+            statuses = await asyncio.gather(*(daemon.call("get_status") for _ in range(10)))
+            self.assertTrue(all(status["map"]["keyframes"] == 100 for status in statuses))
+            count = 0
+            async for pose in daemon.poses(rate_hz=200):
+                self.assertEqual(pose["status"], "TRACKING")
+                count += 1
+                if count == 10:
+                    break
+            result, ply = await daemon.map_bytes(format="ply")
+            self.assertEqual(len(ply), result["bytes"])
+            self.assertGreater((await daemon.pose_page()).read().sequence, 0)
+            with self.assertRaises(slamd.RpcError):
+                await daemon.call("get_map", voxel_size_m=0)
+            daemon.close()
+            with self.assertRaises(slamd.ConnectionLost):
+                await daemon.call("get_status")
+        asyncio.run(use())
+
+
+class Slamctl(WithServer):
+    def test_status_and_pose_as_text_and_json(self):
+        self.assertIn("TRACKING", self.slamctl("status"))
+        self.assertEqual(json.loads(self.slamctl("status", "--json"))["pose"]["status"], "TRACKING")
+        self.assertIn("y 2.000  z 3.000 m", self.slamctl("pose"))
+        lines = self.slamctl("pose", "--follow", "--rate", "200", "--count", "5", "--json").splitlines()
+        self.assertEqual(len({json.loads(line)["sequence"] for line in lines}), 5)
+
+    def test_map_and_trajectory_become_files(self):
+        for name, start in (("map.pcd", b"# .PCD"), ("map.ply", b"ply\n")):
+            path = os.path.join(self.folder, name)
+            told = json.loads(self.slamctl("map", "save", path, "--voxel", "0.5", "--json"))
+            with open(path, "rb") as file:
+                content = file.read()
+            self.assertTrue(content.startswith(start))
+            self.assertEqual(told["bytes"], len(content))
+        path = os.path.join(self.folder, "drive.tum")
+        self.assertIn("100 poses", self.slamctl("trajectory", "save", path))
+        with open(path, encoding="ascii") as file:
+            self.assertEqual(len(file.readlines()), 100)
+        self.assertEqual(sorted(os.listdir(self.folder)),
+                         ["drive.tum", "map.pcd", "map.ply", "slamd.sock", "slamd.sock.lock"])
+
+    def test_exit_codes_say_what_went_wrong(self):
+        self.slamctl(code=2)
+        self.slamctl("map", "save", "map.txt", code=2)
+        self.slamctl("map", "save", os.path.join(self.folder, "none", "map.pcd"), code=1)
+        self.slamctl("status", "--socket", os.path.join(self.folder, "none.sock"), code=3)
+        self.assertIn("Exit codes", self.slamctl("--help"))
+
+
+if __name__ == "__main__":
+    unittest.main()

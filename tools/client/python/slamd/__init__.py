@@ -1,0 +1,15 @@
+"""Python client of slamd's socket: standard library only, blocking (Client) and asyncio (AsyncClient).
+
+    from slamd import Client
+    with Client() as daemon:
+        print(daemon.call("get_status")["pose"])
+        for pose in daemon.poses(rate_hz=50):
+            print(pose["T_map_base"]["translation_m"])
+"""
+
+from ._async import AsyncClient
+from ._client import Client
+from ._errors import ConnectionLost, RpcError, SlamdError
+from ._pose_page import PosePage, PoseSample
+
+__all__ = ["AsyncClient", "Client", "ConnectionLost", "PosePage", "PoseSample", "RpcError", "SlamdError"]

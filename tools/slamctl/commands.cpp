@@ -1,0 +1,102 @@
+#include "tools/slamctl/commands.hpp"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <iostream>
+
+#include "tools/slamctl/text.hpp"
+
+namespace slamd::slamctl {
+namespace {
+
+using nlohmann::json;
+namespace method = protocol::method;
+
+/// A line on stderr that is written over; nothing where stderr is no terminal.
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool wanted) : wanted_{wanted && ::isatty(STDERR_FILENO) == 1} {}
+  ~ProgressLine() {
+    if (wanted_) std::fputs("\r\033[K", stderr);
+  }
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  void show(const std::string& what, double share) const {
+    constexpr int kWidth = 30;
+    if (!wanted_) return;
+    const std::string bar(static_cast<std::size_t>(share * kWidth), '#');
+    std::fprintf(stderr, "\r\033[K%-8s [%-*s] %3.0f %%", what.c_str(), kWidth, bar.c_str(), share * 100.0);
+  }
+
+ private:
+  bool wanted_;
+};
+
+int print_saved(const Options& options, json result, const std::string& what) {
+  result.erase(protocol::kFdField);
+  result["file"] = options.file;
+  std::cout << (options.json ? result.dump() : options.file + ": " + what) << '\n';
+  return kOk;
+}
+
+void copy_to_file(const client::Answer& answer, const Options& options, const ProgressLine& progress) {
+  const double total = std::max(1.0, answer.result.value("bytes", 1.0));
+  client::save_fd(answer.fd.get(), options.file, [&](std::size_t bytes) {
+    progress.show("saving", std::min(1.0, static_cast<double>(bytes) / total));
+  });
+}
+
+}  // namespace
+
+int show_status(client::Connection& daemon, const Options& options) {
+  const json status = daemon.call(method::kGetStatus).result;
+  std::cout << (options.json ? status.dump() + '\n' : status_text(status));
+  return status.at("pose").at("status") == "TRACKING" ? kOk : kNotTracking;
+}
+
+int show_pose(client::Connection& daemon, const Options& options) {
+  const auto print = [&options](const json& pose) {
+    std::cout << (options.json ? pose.dump() : pose_text(pose)) << std::endl;
+  };
+  if (!options.follow) {
+    print(daemon.call(method::kGetPose).result);
+    return kOk;
+  }
+  daemon.subscribe("pose", options.rate_hz);
+  for (std::uint64_t shown = 0; options.count == 0 || shown < options.count;) {
+    const client::Notification notification = daemon.next();
+    if (notification.topic != protocol::notification::kPose) continue;
+    print(notification.params);
+    if (!std::cout) return kOk;  // whoever read us has gone
+    ++shown;
+  }
+  return kOk;
+}
+
+int save_map(client::Connection& daemon, const Options& options) {
+  json params = {{"voxel_size_m", options.voxel_size_m},
+                 {"format", options.file.ends_with(".ply") ? "ply" : "pcd"},
+                 {"progress", true}};
+  if (!options.box.empty()) {
+    const auto& b = options.box;
+    params["box"] = {{"min_m", {b[0], b[1], b[2]}}, {"max_m", {b[3], b[4], b[5]}}};
+  }
+  const ProgressLine progress{!options.json};
+  progress.show("placing", 0.0);
+  const client::Answer answer = daemon.call(method::kGetMap, params, [&progress](const json& told) {
+    progress.show(told.value("stage", ""), told.value("share", 0.0));
+  });
+  copy_to_file(answer, options, progress);
+  return print_saved(options, answer.result, std::to_string(answer.result.value("points", 0)) + " points");
+}
+
+int save_trajectory(client::Connection& daemon, const Options& options) {
+  const ProgressLine progress{!options.json};
+  const client::Answer answer = daemon.call(method::kGetTrajectory, {{"format", "tum"}});
+  copy_to_file(answer, options, progress);
+  return print_saved(options, answer.result, std::to_string(answer.result.value("poses", 0)) + " poses");
+}
+
+}  // namespace slamd::slamctl

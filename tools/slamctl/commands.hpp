@@ -1,0 +1,33 @@
+#pragma once
+// What each subcommand of slamctl does with its options. The command line itself is in main.cpp.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/client/client.hpp"
+
+namespace slamd::slamctl {
+
+/// Exit codes, part of the contract with scripts.
+enum Exit { kOk = 0, kFailed = 1, kUsage = 2, kNoDaemon = 3, kNotTracking = 4 };
+
+struct Options {
+  std::string socket_path;
+  bool json = false;
+  double timeout_s = 60.0;
+  bool follow = false;
+  double rate_hz = 10.0;
+  std::uint64_t count = 0;  // poses to follow; 0 = for ever
+  std::string file;
+  double voxel_size_m = 0.2;
+  std::vector<double> box;  // min x y z, max x y z, or empty
+};
+
+// Each prints to stdout (progress to stderr when that is a terminal) and returns the exit code; throws ClientError.
+int show_status(client::Connection& daemon, const Options& options);
+int show_pose(client::Connection& daemon, const Options& options);
+int save_map(client::Connection& daemon, const Options& options);
+int save_trajectory(client::Connection& daemon, const Options& options);
+
+}  // namespace slamd::slamctl

@@ -1,0 +1,90 @@
+// slamctl: asks a running slamd for its status, pose, map and path. Reads the command line; commands.cpp does the work.
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "tools/slamctl/commands.hpp"
+
+namespace {
+
+using namespace slamd::slamctl;
+using slamd::client::ClientError;
+
+constexpr const char* kFooter =
+    "Exit codes: 0 done; 1 the daemon refused or a file could not be written; 2 bad command line;\n"
+    "3 no daemon at the socket, or it hung up or did not answer in time; 4 (status only) the daemon is not TRACKING.\n"
+    "Examples:\n"
+    "  slamctl status\n"
+    "  slamctl pose --follow --rate 50 --json\n"
+    "  slamctl map save campus.pcd --voxel 0.1 --box -50 -50 -5 50 50 20\n"
+    "  slamctl trajectory save drive.tum";
+
+using Command = int (*)(slamd::client::Connection&, const Options&);
+
+void add_map(CLI::App& cli, Options& options) {
+  CLI::App* map = cli.add_subcommand("map", "the 3D map")->require_subcommand(1);
+  CLI::App* save = map->add_subcommand("save", "write the map into a file here");
+  const auto extension = [](const std::string& name) {
+    return name.ends_with(".pcd") || name.ends_with(".ply") ? std::string{} : "must end in .pcd or .ply";
+  };
+  save->add_option("FILE", options.file, "what to write: FILE.pcd or FILE.ply")->required()->check(extension);
+  save->add_option("--voxel", options.voxel_size_m, "at most one point in each voxel of so many metres")
+      ->check(CLI::Range(0.01, 100.0))->capture_default_str();
+  save->add_option("--box", options.box, "only inside: min x y z max x y z, metres in map")->expected(6);
+}
+
+void add_commands(CLI::App& cli, Options& options) {
+  cli.add_option("--socket", options.socket_path, "the daemon's socket")->capture_default_str()->envname("SLAMD_SOCKET");
+  cli.add_flag("--json", options.json, "one JSON object a line instead of text");
+  cli.add_option("--timeout", options.timeout_s, "seconds to wait for an answer")
+      ->check(CLI::Range(0.1, 3600.0))->capture_default_str();
+  cli.require_subcommand(1)->fallthrough()->footer(kFooter);
+  cli.add_subcommand("status", "how the daemon and its sensors are");
+  CLI::App* pose = cli.add_subcommand("pose", "where the vehicle is");
+  pose->add_flag("--follow", options.follow, "every new pose, until interrupted");
+  pose->add_option("--rate", options.rate_hz, "with --follow: poses a second")
+      ->check(CLI::Range(0.01, 1000.0))->capture_default_str();
+  pose->add_option("--count", options.count, "with --follow: stop after so many");
+  add_map(cli, options);
+  CLI::App* trajectory = cli.add_subcommand("trajectory", "the path driven so far")->require_subcommand(1);
+  trajectory->add_subcommand("save", "write it as TUM text (base in odom)")
+      ->add_option("FILE", options.file, "what to write")->required();
+  for (CLI::App* sub : cli.get_subcommands({})) sub->fallthrough();
+  for (CLI::App* sub : {cli.get_subcommand("map"), trajectory}) sub->get_subcommand("save")->fallthrough();
+}
+
+Command chosen(const CLI::App& cli) {
+  if (cli.got_subcommand("status")) return show_status;
+  if (cli.got_subcommand("pose")) return show_pose;
+  return cli.got_subcommand("map") ? save_map : save_trajectory;
+}
+
+int exit_code(const ClientError& error) {
+  const bool gone = error.code() == ClientError::kNoConnection || error.code() == ClientError::kTimeout;
+  return gone ? kNoDaemon : kFailed;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  options.socket_path = slamd::protocol::kDefaultSocketPath;
+  CLI::App cli{"slamctl: status, pose, map and path of a running slamd"};
+  add_commands(cli, options);
+  try {
+    cli.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return cli.exit(error) == 0 ? kOk : kUsage;
+  }
+  try {
+    const auto patience = std::chrono::milliseconds{static_cast<std::int64_t>(options.timeout_s * 1e3)};
+    slamd::client::Connection daemon{options.socket_path, patience};
+    return chosen(cli)(daemon, options);
+  } catch (const ClientError& error) {
+    std::cerr << "slamctl: " << error.what() << '\n';
+    return exit_code(error);
+  } catch (const std::exception& error) {
+    std::cerr << "slamctl: " << error.what() << '\n';
+    return kFailed;
+  }
+}

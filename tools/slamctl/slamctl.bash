@@ -1,0 +1,34 @@
+# bash completion of slamctl; install as /usr/share/bash-completion/completions/slamctl or source it.
+_slamctl() {
+  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command="" sub="" word
+  for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
+    case $word in
+      status | pose | map | trajectory) [[ -z $command ]] && command=$word ;;
+      save) sub=save ;;
+    esac
+  done
+  case $prev in
+    --socket) mapfile -t COMPREPLY < <(compgen -f -- "$cur"); return ;;
+    --timeout | --rate | --count | --voxel | --box) return ;;
+  esac
+  local general="--socket --json --timeout --help" words=""
+  case $command in
+    "") words="status pose map trajectory $general" ;;
+    status) words=$general ;;
+    pose) words="--follow --rate --count $general" ;;
+    map | trajectory)
+      if [[ -z $sub ]]; then
+        words="save $general"
+      elif [[ $cur != -* ]]; then
+        mapfile -t COMPREPLY < <(compgen -f -- "$cur")
+        return
+      elif [[ $command == map ]]; then
+        words="--voxel --box $general"
+      else
+        words=$general
+      fi
+      ;;
+  esac
+  mapfile -t COMPREPLY < <(compgen -W "$words" -- "$cur")
+}
+complete -o filenames -F _slamctl slamctl
