@@ -61,7 +61,8 @@ const Plane* PlaneMap::plane_at(const Eigen::Vector3f& p_odom) {
 
 bool PlaneMap::is_fresh(const CachedPlane& cached, std::uint32_t slot) const {
   if (cached.voxel_count < 0.0F || moments_[slot].count > kRefitGrowth * cached.voxel_count) return false;
-  const bool settled = moments_[slot].count >= static_cast<float>(config_.max_voxel_weight);
+  // Where there was no plane, the neighbours may have grown one: only a plane settles.
+  const bool settled = cached.valid && moments_[slot].count >= static_cast<float>(config_.max_voxel_weight);
   return settled || scan_ - cached.fitted_at < kMaxPlaneAge;
 }
 
