@@ -6,6 +6,8 @@ using I = ErrorIndex;
 
 namespace {
 
+constexpr double kMostForceError_mps2 = 1.0;  // at rest: LSM6DSOX offset and scale, all axes
+constexpr double kLeastForce_mps2 = 3.0;      // less is no vehicle on the ground but a sensor that is stuck or falls
 constexpr double kTinyVariance = 1e-10;  // of pose: the first pose defines odom
 
 double squared(double x) { return x * x; }
@@ -75,13 +77,15 @@ void Initialisation::add(const ImuSample& sample) {
 
 bool Initialisation::is_still() const {
   if (count_ < 2.0) return false;
-  return gyro_.deviation(count_).maxCoeff() < config_.still_gyro_std_rads &&
+  return std::abs(accel_.mean(count_).norm() - kGravity_mps2) < kMostForceError_mps2 &&
+         gyro_.deviation(count_).maxCoeff() < config_.still_gyro_std_rads &&
          gyro_.mean(count_).norm() < config_.still_gyro_mean_rads &&
          accel_.deviation(count_).maxCoeff() < config_.still_accel_std_mps2;
 }
 
 bool Initialisation::is_ready() const {
-  const double length_s = count_ > 0.0 ? to_seconds(last_ - first_) : 0.0;
+  if (count_ == 0.0 || accel_.mean(count_).norm() < kLeastForce_mps2) return false;
+  const double length_s = to_seconds(last_ - first_);
   return length_s >= config_.rest_s || (length_s >= config_.min_s && !is_still());
 }
 

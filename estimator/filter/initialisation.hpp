@@ -36,7 +36,8 @@ class Initialisation {
 
   void add(const ImuSample& sample);
   void clear();
-  /// Stillness is broken or has lasted long enough, so that state() may be asked for.
+  /// Stillness is broken or has lasted long enough, so that state() may be asked for. Never while the mean force is too
+  /// small to tell where down is.
   bool is_ready() const;
   bool is_still() const;
   /// The state at `time`: gravity from the mean specific force, gyro bias from the mean rate when at rest. Accelerometer
