@@ -51,6 +51,7 @@ void ScanAssembler::begin(const LidarPacket& packet) {
   // Keeps the cut from creeping: what the last cut was early or late counts for the next revolution.
   const std::int32_t late_cdeg = turn_between(*cut_azimuth_cdeg_, packet.azimuth_begin_cdeg);
   turned_cdeg_ = late_cdeg > kTurn_cdeg / 2 ? late_cdeg - kTurn_cdeg : late_cdeg;
+  reserve(open_, config_);  // does nothing but after take() handed in a scan without memory
   open_.begin = packet.time;
   open_.complete = true;
   open_.points.clear();
