@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <map>
+#include <sstream>
 
 #include "tools/slam-sim/output/scenarios.hpp"
 
@@ -95,6 +96,15 @@ void add_imu(CLI::App& app, DriveSpec& d) {
   app.add_flag("--ideal-imu", d.imu.ideal, "no noise and no bias (still quantised)");
 }
 
+/// For CLI11: what is wrong with a list of sentences, or nothing.
+std::string known_sentences(const std::string& list) {
+  std::istringstream kinds{list};
+  for (std::string kind; std::getline(kinds, kind, ',');) {
+    if (!is_sentence(kind)) return "\"" + kind + "\" is no sentence (GGA RMC GSA GST VTG ZDA)";
+  }
+  return {};
+}
+
 void add_gps(CLI::App& app, DriveSpec& d) {
   app.add_flag_callback("--no-gps", [&d] { d.with_gps = false; }, "switched off");
   app.add_option_function<std::array<double, 3>>(
@@ -109,7 +119,7 @@ void add_gps(CLI::App& app, DriveSpec& d) {
   app.add_option("--gps-rate", d.gps.rate_hz, "Hz")->check(CLI::Range(0.1, 20.0))->capture_default_str();
   app.add_option("--gps-sigma", d.gps.correlated_m, "slow horizontal error, standard deviation, m")->check(CLI::NonNegativeNumber)->capture_default_str();
   app.add_option("--gps-latency", d.gps.latency_s, "s")->check(CLI::Range(0.0, 5.0))->capture_default_str();
-  app.add_option("--gps-sentences", d.gps.sentences, "of GGA RMC GSA GST VTG ZDA, separated by commas")->capture_default_str();
+  app.add_option("--gps-sentences", d.gps.sentences, "of GGA RMC GSA GST VTG ZDA, separated by commas")->check(known_sentences)->capture_default_str();
   app.add_option("--utc-start", d.gps.utc_start_s, "UTC of the start, seconds since 1970")->capture_default_str();
 }
 

@@ -14,15 +14,6 @@ Vector3d normal3(Rng& rng) {
   return {x, y, 1.8 * z};
 }
 
-std::string sentence(const std::string& kind, const NmeaFix& fix) {
-  if (kind == "GGA") return gga(fix);
-  if (kind == "RMC") return rmc(fix);
-  if (kind == "GSA") return gsa(fix);
-  if (kind == "GST") return gst(fix);
-  if (kind == "VTG") return vtg(fix);
-  return kind == "ZDA" ? zda(fix) : std::string{};
-}
-
 }  // namespace
 
 GpsSensor::GpsSensor(const GpsModel& model, const Trajectory& trajectory, const Vector3d& p_base_antenna, std::uint64_t seed)

@@ -1,9 +1,13 @@
 #include "tools/slam-sim/sensors/nmea_writer.hpp"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <string_view>
+#include <utility>
 
 namespace slamd::sim {
 namespace {
@@ -50,7 +54,25 @@ std::string position(const NmeaFix& fix) {
   return angle(fix.latitude_deg, 2, 'N', 'S') + "," + angle(fix.longitude_deg, 3, 'E', 'W');
 }
 
+using Writer = std::string (*)(const NmeaFix&);
+constexpr std::array<std::pair<std::string_view, Writer>, 6> kWriters{
+    {{"GGA", &gga}, {"RMC", &rmc}, {"GSA", &gsa}, {"GST", &gst}, {"VTG", &vtg}, {"ZDA", &zda}}};
+
+const Writer* writer_of(std::string_view kind) {
+  for (const auto& [name, writer] : kWriters) {
+    if (name == kind) return &writer;
+  }
+  return nullptr;
+}
+
 }  // namespace
+
+bool is_sentence(const std::string& kind) { return writer_of(kind) != nullptr; }
+
+std::string sentence(const std::string& kind, const NmeaFix& fix) {
+  const Writer* writer = writer_of(kind);
+  return writer != nullptr ? (*writer)(fix) : std::string{};
+}
 
 std::string framed(const std::string& body) {
   unsigned sum = 0;

@@ -27,4 +27,9 @@ std::string gst(const NmeaFix& fix);
 std::string vtg(const NmeaFix& fix);
 std::string zda(const NmeaFix& fix);
 
+/// GGA RMC GSA GST VTG ZDA.
+bool is_sentence(const std::string& kind);
+/// By its kind; empty for an unknown one.
+std::string sentence(const std::string& kind, const NmeaFix& fix);
+
 }  // namespace slamd::sim
