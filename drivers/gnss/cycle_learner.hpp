@@ -21,10 +21,10 @@ class CycleLearner {
  private:
   static constexpr std::uint32_t kFewestCycles = 2;
   struct Habit {
-    std::uint32_t count = 0;       // in the running cycle
-    std::uint32_t position = 0;    // of its last occurrence there, from 1
-    std::uint32_t usual_count = 0; // in the cycle before,
-    std::uint32_t cycles = 0;      // and in so many in a row
+    std::uint32_t count = 0;        // in the running cycle
+    std::uint32_t position = 0;     // of its last occurrence there, from 1
+    std::uint32_t usual_count = 0;  // in the cycle before,
+    std::uint32_t cycles = 0;       // and in so many in a row
   };
 
   std::array<Habit, kNmeaTypes> habits_{};

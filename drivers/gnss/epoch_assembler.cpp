@@ -36,7 +36,8 @@ Duration ahead(Duration a, Duration b) {
 EpochAssembler::Relation EpochAssembler::relation(const NmeaMessage& message, HostTime arrival) const {
   const std::optional<Duration> time = epoch_time(message);
   if (!time && carries_time(message)) return Relation::kUntimed;
-  if (!time) return leading_ || arrival - epoch_.last_arrival > period_ / kPauses ? Relation::kLeading : Relation::kSame;
+  const bool after_pause = arrival - epoch_.last_arrival > period_ / kPauses;
+  if (!time) return leading_ || after_pause ? Relation::kLeading : Relation::kSame;
   if (!open_) return Relation::kNew;
   const Duration difference = ahead(epoch_.time_of_day, *time);
   if (difference == Duration::zero()) return Relation::kSame;

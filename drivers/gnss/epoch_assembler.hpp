@@ -12,9 +12,9 @@ namespace slamd {
 
 /// What a receiver said about one instant.
 struct GnssEpoch {
-  Duration time_of_day{};    // UTC
-  HostTime first_arrival;    // of its first sentence with a time: the least delayed
-  HostTime last_arrival;     // of its newest sentence
+  Duration time_of_day{};         // UTC
+  HostTime first_arrival;         // of its first sentence with a time: the least delayed
+  HostTime last_arrival;          // of its newest sentence
   std::optional<GgaMessage> gga;  // with several talkers the one of most satellites
   std::optional<RmcMessage> rmc;
   std::optional<GstMessage> gst;
@@ -23,9 +23,9 @@ struct GnssEpoch {
   std::optional<std::chrono::sys_days> date;
 };
 
-/// One thread uses an instance; no allocation. For each message call close_before() and then add(): each may complete an
-/// epoch. An epoch is complete with the sentence that usually ends the cycle, or when the next cycle begins. Sentences
-/// without a time that come after a pause belong to the next epoch, others to the running one.
+/// One thread uses an instance; no allocation. For each message call close_before() and then add(): each may complete
+/// an epoch. An epoch is complete with the sentence that usually ends the cycle, or when the next cycle begins.
+/// Sentences without a time that come after a pause belong to the next epoch, others to the running one.
 class EpochAssembler {
  public:
   /// The running epoch, when `message` begins another cycle and the running one was not given yet.
@@ -51,9 +51,9 @@ class EpochAssembler {
 
   CycleLearner cycle_;
   GnssEpoch epoch_;
-  bool open_ = false;   // epoch_ has a time
-  bool given_ = false;  // and was handed out
-  bool leading_ = false;  // sentences of the next cycle have come already
+  bool open_ = false;                          // epoch_ has a time
+  bool given_ = false;                         // and was handed out
+  bool leading_ = false;                       // sentences of the next cycle have come already
   Duration period_ = std::chrono::seconds{1};  // between the last two epochs
   std::uint32_t gsa_age_ = 0;
   std::uint64_t repeated_ = 0;

@@ -11,10 +11,14 @@ constexpr double kPerMissingSatellite = 0.15;
 
 double correction_factor(GnssQuality quality) {
   switch (quality) {
-    case GnssQuality::kDifferential: return 0.7;
-    case GnssQuality::kRtkFloat: return 0.3;
-    case GnssQuality::kRtkFixed: return 0.1;
-    default: return 1.0;
+    case GnssQuality::kDifferential:
+      return 0.7;
+    case GnssQuality::kRtkFloat:
+      return 0.3;
+    case GnssQuality::kRtkFixed:
+      return 0.1;
+    default:
+      return 1.0;
   }
 }
 
@@ -51,8 +55,8 @@ GnssSigma estimate_sigma(const GnssEpoch& epoch, GnssQuality quality, const Gnss
   sigma.horizontal_m = std::clamp(horizontal.value_or(config.sigma_max_m), config.sigma_min_m, config.sigma_max_m);
   const bool gst_height = epoch.gst && epoch.gst->sigma_height_m && !without_satellites;
   const double vertical = gst_height ? *epoch.gst->sigma_height_m : sigma.horizontal_m * config.vertical_factor;
-  sigma.vertical_m = std::clamp(vertical, config.sigma_min_m * config.vertical_factor,
-                                config.sigma_max_m * config.vertical_factor);
+  sigma.vertical_m =
+      std::clamp(vertical, config.sigma_min_m * config.vertical_factor, config.sigma_max_m * config.vertical_factor);
   return sigma;
 }
 

@@ -6,9 +6,9 @@
 namespace slamd {
 
 struct GnssNoiseConfig {
-  double sigma_min_m = 1.0;    // strong fix: no receiver is believed beyond this
-  double sigma_max_m = 5.0;    // weak fix
-  double range_error_m = 1.25; // per unit of HDOP, autonomous with many satellites
+  double sigma_min_m = 1.0;      // strong fix: no receiver is believed beyond this
+  double sigma_max_m = 5.0;      // weak fix
+  double range_error_m = 1.25;   // per unit of HDOP, autonomous with many satellites
   double vertical_factor = 1.8;  // height against horizontal, where no GST says it
 };
 
@@ -17,8 +17,8 @@ struct GnssSigma {
   double vertical_m;    // vertical_factor times these bounds
 };
 
-/// GST where present; else HDOP times the range error, less with corrections, more with few satellites; sigma_max_m when
-/// the receiver said nothing or reckons without satellites.
+/// GST where present; else HDOP times the range error, less with corrections, more with few satellites; sigma_max_m
+/// when the receiver said nothing or reckons without satellites.
 GnssSigma estimate_sigma(const GnssEpoch& epoch, GnssQuality quality, const GnssNoiseConfig& config);
 
 }  // namespace slamd

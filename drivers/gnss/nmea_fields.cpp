@@ -19,7 +19,8 @@ std::optional<Integer> integer(std::string_view text) {
 
 /// [d]ddmm.mmmm: the last two digits before the point are minutes.
 std::optional<double> angle_deg(std::string_view value, std::size_t degree_digits, double limit_deg) {
-  if (value.size() < degree_digits + 2 || value.find_first_not_of("0123456789") < degree_digits + 2) return std::nullopt;
+  if (value.size() < degree_digits + 2 || value.find_first_not_of("0123456789") < degree_digits + 2)
+    return std::nullopt;
   const std::optional<unsigned> degrees = integer<unsigned>(value.substr(0, degree_digits));
   const std::optional<double> minutes = non_negative(value.substr(degree_digits));
   if (!degrees || !minutes || *minutes >= 60.0) return std::nullopt;
@@ -59,7 +60,9 @@ std::optional<unsigned> small_count(std::string_view field) {
   return value && *value <= 255U ? value : std::nullopt;
 }
 
-char letter(std::string_view field) { return field.size() == 1 ? field.front() : '\0'; }
+char letter(std::string_view field) {
+  return field.size() == 1 ? field.front() : '\0';
+}
 
 std::optional<double> latitude_deg(std::string_view value, std::string_view hemisphere) {
   return signed_by(angle_deg(value, 2, 90.0), letter(hemisphere), 'N', 'S');

@@ -21,25 +21,41 @@ std::optional<GeoPosition> position(const NmeaSentence& s, std::size_t first) {
 
 GnssQuality quality_of_digit(char digit) {
   switch (digit) {
-    case '1': case '3': case '7': return GnssQuality::kAutonomous;
-    case '2': return GnssQuality::kDifferential;
-    case '4': return GnssQuality::kRtkFixed;
-    case '5': return GnssQuality::kRtkFloat;
-    case '6': return GnssQuality::kDeadReckoning;
-    case '8': return GnssQuality::kSimulated;
-    default: return GnssQuality::kNone;
+    case '1':
+    case '3':
+    case '7':
+      return GnssQuality::kAutonomous;
+    case '2':
+      return GnssQuality::kDifferential;
+    case '4':
+      return GnssQuality::kRtkFixed;
+    case '5':
+      return GnssQuality::kRtkFloat;
+    case '6':
+      return GnssQuality::kDeadReckoning;
+    case '8':
+      return GnssQuality::kSimulated;
+    default:
+      return GnssQuality::kNone;
   }
 }
 
 GnssQuality quality_of_mode(char mode) {
   switch (mode) {
-    case 'D': return GnssQuality::kDifferential;
-    case 'F': return GnssQuality::kRtkFloat;
-    case 'R': return GnssQuality::kRtkFixed;
-    case 'E': return GnssQuality::kDeadReckoning;
-    case 'S': return GnssQuality::kSimulated;
-    case 'N': return GnssQuality::kNone;
-    default: return GnssQuality::kAutonomous;
+    case 'D':
+      return GnssQuality::kDifferential;
+    case 'F':
+      return GnssQuality::kRtkFloat;
+    case 'R':
+      return GnssQuality::kRtkFixed;
+    case 'E':
+      return GnssQuality::kDeadReckoning;
+    case 'S':
+      return GnssQuality::kSimulated;
+    case 'N':
+      return GnssQuality::kNone;
+    default:
+      return GnssQuality::kAutonomous;
   }
 }
 
@@ -91,13 +107,20 @@ ZdaMessage decode_zda(const NmeaSentence& s) {
 
 std::optional<NmeaMessage> decode(const NmeaSentence& sentence) {
   switch (sentence.type) {
-    case NmeaType::kGga: return decode_gga(sentence);
-    case NmeaType::kRmc: return decode_rmc(sentence);
-    case NmeaType::kGsa: return decode_gsa(sentence);
-    case NmeaType::kGst: return decode_gst(sentence);
-    case NmeaType::kVtg: return decode_vtg(sentence);
-    case NmeaType::kZda: return decode_zda(sentence);
-    case NmeaType::kOther: return std::nullopt;
+    case NmeaType::kGga:
+      return decode_gga(sentence);
+    case NmeaType::kRmc:
+      return decode_rmc(sentence);
+    case NmeaType::kGsa:
+      return decode_gsa(sentence);
+    case NmeaType::kGst:
+      return decode_gst(sentence);
+    case NmeaType::kVtg:
+      return decode_vtg(sentence);
+    case NmeaType::kZda:
+      return decode_zda(sentence);
+    case NmeaType::kOther:
+      return std::nullopt;
   }
   return std::nullopt;
 }

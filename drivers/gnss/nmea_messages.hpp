@@ -63,6 +63,8 @@ using NmeaMessage = std::variant<GgaMessage, RmcMessage, GsaMessage, GstMessage,
 /// The message of a sentence; nothing for types that are not supported.
 std::optional<NmeaMessage> decode(const NmeaSentence& sentence);
 
-inline NmeaType type_of(const NmeaMessage& message) { return static_cast<NmeaType>(message.index()); }
+inline NmeaType type_of(const NmeaMessage& message) {
+  return static_cast<NmeaType>(message.index());
+}
 
 }  // namespace slamd

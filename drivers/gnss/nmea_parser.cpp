@@ -3,8 +3,8 @@
 namespace slamd {
 namespace {
 
-constexpr double kMovingMps = 1.0;            // at this speed a fix that does not change is not new
-constexpr std::uint32_t kFrozenFixes = 10;    // without a speed: so many equal fixes in a row, height included
+constexpr double kMovingMps = 1.0;          // at this speed a fix that does not change is not new
+constexpr std::uint32_t kFrozenFixes = 10;  // without a speed: so many equal fixes in a row, height included
 
 /// Both sentences must agree that there is a fix, where both are sent.
 bool has_fix(const GnssEpoch& epoch) {
@@ -32,8 +32,8 @@ void fill_position(const GnssEpoch& epoch, GnssFix& fix) {
 /// RMC's where it has one, else VTG's.
 void fill_velocity(const GnssEpoch& epoch, GnssFix& fix) {
   const bool from_rmc = epoch.rmc && epoch.rmc->speed_mps;
-  const VtgMessage motion = from_rmc ? VtgMessage{epoch.rmc->speed_mps, epoch.rmc->course_deg}
-                                     : epoch.vtg.value_or(VtgMessage{});
+  const VtgMessage motion =
+      from_rmc ? VtgMessage{epoch.rmc->speed_mps, epoch.rmc->course_deg} : epoch.vtg.value_or(VtgMessage{});
   fix.velocity_valid = motion.speed_mps && motion.course_deg;
   if (motion.speed_mps) fix.speed_mps = *motion.speed_mps;
   if (motion.course_deg) fix.course_deg = *motion.course_deg;

@@ -26,7 +26,7 @@ struct GnssStats {
 class NmeaParser {
  public:
   struct Config {
-    ClockSync::Config clock;         // gnss.latency_s is clock.min_latency: UTC of the fix to its first byte
+    ClockSync::Config clock;  // gnss.latency_s is clock.min_latency: UTC of the fix to its first byte
     GnssNoiseConfig noise;
     GnssTime not_before = kNmeaYear2020;  // dates before are 1,024 weeks late (GPS week roll-over)
     static Config defaults();

@@ -27,12 +27,12 @@ struct NmeaSentence {
 
 /// Counters since construction.
 struct NmeaSentenceStats {
-  std::uint64_t sentences = 0;     // with a right checksum, of any type
+  std::uint64_t sentences = 0;  // with a right checksum, of any type
   std::uint64_t bad_checksum = 0;
-  std::uint64_t no_checksum = 0;   // ended before "*hh"
-  std::uint64_t broken = 0;        // another '$' or a byte that is not text inside
+  std::uint64_t no_checksum = 0;  // ended before "*hh"
+  std::uint64_t broken = 0;       // another '$' or a byte that is not text inside
   std::uint64_t too_long = 0;
-  std::uint64_t ignored_bytes = 0; // outside sentences
+  std::uint64_t ignored_bytes = 0;  // outside sentences
 };
 
 /// One thread uses an instance; no allocation. Takes any split of the stream: parts of lines, merged lines, garbage.

@@ -25,7 +25,8 @@ std::optional<GnssTime> UtcCalendar::place(Duration time_of_day, std::optional<s
     utc = GnssTime{date->time_since_epoch()} + time_of_day;
     while (utc < not_before_) utc += kGpsRollOver;
     const bool near_midnight = time_of_day < kNearMidnight || time_of_day > kDay - kNearMidnight;
-    if (last_ && near_midnight && abs(utc - nearest(time_of_day)) == kDay && abs(nearest(time_of_day) - *last_) < kNearMidnight) {
+    if (last_ && near_midnight && abs(utc - nearest(time_of_day)) == kDay &&
+        abs(nearest(time_of_day) - *last_) < kNearMidnight) {
       utc = nearest(time_of_day);
     }
   } else {

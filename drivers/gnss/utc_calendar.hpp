@@ -16,8 +16,9 @@ class UtcCalendar {
   /// not_before  dates before it are moved on by whole roll-overs of the GPS week (1,024 weeks)
   explicit UtcCalendar(GnssTime not_before) : not_before_{not_before} {}
 
-  /// UTC of an epoch. Without a date: the day that is nearest to the epoch before; nothing until a date was seen. A date
-  /// that lags or leads by one day within two minutes of midnight is corrected: receivers change it a sentence late.
+  /// UTC of an epoch. Without a date: the day that is nearest to the epoch before; nothing until a date was seen. A
+  /// date that lags or leads by one day within two minutes of midnight is corrected: receivers change it a sentence
+  /// late.
   std::optional<GnssTime> place(Duration time_of_day, std::optional<std::chrono::sys_days> date);
 
  private:

@@ -46,7 +46,7 @@ class ImuCsvReader {
   std::istream& lines_;
   SampleClock clock_;
   std::string line_;
-  std::vector<ImuSample> primed_;   // the first samples, with their times
+  std::vector<ImuSample> primed_;  // the first samples, with their times
   std::size_t primed_given_ = 0;
   std::optional<ImuSample> ahead_;  // the line after the newest that the clock has seen
   std::optional<HostTime> newest_arrival_;

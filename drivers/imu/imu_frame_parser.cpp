@@ -6,7 +6,8 @@ namespace slamd {
 namespace {
 
 Eigen::Vector3d scaled(const std::array<std::int16_t, 3>& counts, double unit) {
-  return unit * Eigen::Vector3d{static_cast<double>(counts[0]), static_cast<double>(counts[1]), static_cast<double>(counts[2])};
+  return unit * Eigen::Vector3d{static_cast<double>(counts[0]), static_cast<double>(counts[1]),
+                                static_cast<double>(counts[2])};
 }
 
 bool clips(const ImuFrame& frame, const ImuSample& sample) {

@@ -20,19 +20,19 @@ struct ImuStats {
   std::uint64_t gaps = 0;                   // interruptions of the sequence,
   std::uint64_t missing = 0;                // samples they cost
   std::uint64_t repeated = 0;               // frames whose time did not advance
-  std::uint64_t implausible = 0;            // stamps far from the expected that the next frame did not confirm, or first of such
-  std::uint64_t sensor_faults = 0;          // frames without valid measurement, by their status
+  std::uint64_t implausible = 0;  // stamps far from the expected that the next frame did not confirm, or first of such
+  std::uint64_t sensor_faults = 0;  // frames without valid measurement, by their status
   std::uint64_t clipped = 0;
-  std::uint64_t resets = 0;                 // starts of the device after the first
-  std::uint16_t dropped_at_device = 0;      // the device's own total, as sent
+  std::uint64_t resets = 0;             // starts of the device after the first
+  std::uint16_t dropped_at_device = 0;  // the device's own total, as sent
 };
 
 /// One thread uses an instance; no allocation.
 class ImuFrameParser {
  public:
   struct Config {
-    ClockSync::Config clock;                        // imu.latency_s is clock.min_latency
-    Duration stamp_tolerance{2'000'000'000};        // device and host time since the last frame differ by less
+    ClockSync::Config clock;                  // imu.latency_s is clock.min_latency
+    Duration stamp_tolerance{2'000'000'000};  // device and host time since the last frame differ by less
     static Config defaults();
   };
 

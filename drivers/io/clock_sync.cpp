@@ -10,7 +10,9 @@ constexpr std::uint32_t kFewestLate = 3;  // late samples before a jump is belie
 constexpr double kGateSigmas = 6.0;
 constexpr Duration kSmallestTick{1'000};  // the output advances at least by this while it waits for the estimate
 
-Duration scaled(Duration d, double factor) { return d + Duration{std::llround(static_cast<double>(d.count()) * factor)}; }
+Duration scaled(Duration d, double factor) {
+  return d + Duration{std::llround(static_cast<double>(d.count()) * factor)};
+}
 
 }  // namespace
 

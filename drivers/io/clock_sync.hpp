@@ -13,14 +13,14 @@ namespace slamd {
 class ClockSync {
  public:
   struct Config {
-    Duration min_latency{0};            // constant part of the delay from measurement to arrival
-    DelayEnvelope::Config envelope;     // window, expected jitter and skew
-    Duration jump_threshold{3'000'000}; // a delay that changes by more than this is a jump of a clock or late data
-    Duration jump_confirm{300'000'000}; // late data end within this host time, a jump does not
+    Duration min_latency{0};              // constant part of the delay from measurement to arrival
+    DelayEnvelope::Config envelope;       // window, expected jitter and skew
+    Duration jump_threshold{3'000'000};   // a delay that changes by more than this is a jump of a clock or late data
+    Duration jump_confirm{300'000'000};   // late data end within this host time, a jump does not
     Duration reorder_limit{250'000'000};  // a device time that falls back by more is a reset of the device
-    Duration lock_sigma{100'000};       // locked() below this
-    double slew_ppm = 2000.0;           // largest correction of the output's rate while locked,
-    Duration max_step{15'000};          // and at one sample
+    Duration lock_sigma{100'000};         // locked() below this
+    double slew_ppm = 2000.0;             // largest correction of the output's rate while locked,
+    Duration max_step{15'000};            // and at one sample
     double acquire_slew_ppm = 500'000.0;  // before lock
   };
 
@@ -57,11 +57,11 @@ class ClockSync {
   DelayEnvelope envelope_;
   DeviceTime origin_device_{};  // delays are relative to these two, so that doubles keep their nanoseconds
   HostTime origin_host_{};
-  DeviceTime pivot_device_{};   // newest output: the mapping runs through it with slope rate_
+  DeviceTime pivot_device_{};  // newest output: the mapping runs through it with slope rate_
   HostTime pivot_host_{};
   double rate_ = 1.0;
-  double slew_left_ns_ = 0.0;   // what the output still lacks of the estimate
-  HostTime late_since_{};       // arrival of the first of late_count_ late samples in a row
+  double slew_left_ns_ = 0.0;  // what the output still lacks of the estimate
+  HostTime late_since_{};      // arrival of the first of late_count_ late samples in a row
   std::uint32_t late_count_ = 0;
   bool started_ = false;
   bool locked_ = false;

@@ -6,11 +6,11 @@
 namespace slamd {
 namespace {
 
-constexpr double kQuantile = 0.1;       // of the excess: quantile / kQuantile is the inverse density at the lower edge
+constexpr double kQuantile = 0.1;  // of the excess: quantile / kQuantile is the inverse density at the lower edge
 constexpr double kSlowestLearning = 0.02;
 constexpr double kKeptSkewSigma = 20e-6;  // a crystal keeps its skew across a restart within this
-constexpr double kPriorSpan = 8.0;      // the skew is searched within so many sigmas of its prior
-constexpr double kNegligible = 14.0;    // log-likelihood drop beyond which the posterior is not integrated
+constexpr double kPriorSpan = 8.0;        // the skew is searched within so many sigmas of its prior
+constexpr double kNegligible = 14.0;      // log-likelihood drop beyond which the posterior is not integrated
 constexpr int kSearchSteps = 44;
 constexpr int kBisectSteps = 26;
 constexpr int kNodes = 24;
@@ -153,7 +153,9 @@ void DelayEnvelope::learn_jitter(double excess_ns) {
   quantile_ns_ = std::max(quantile_ns_, kQuantile * config_.noise_floor_s * 1e9);
 }
 
-double DelayEnvelope::above_line(double x_s, double delay_ns) const { return delay_ns - line_.skew * x_s * 1e9; }
+double DelayEnvelope::above_line(double x_s, double delay_ns) const {
+  return delay_ns - line_.skew * x_s * 1e9;
+}
 
 /// True when the delay opened a bin or is the lowest of its bin: only then can it change the hull.
 bool DelayEnvelope::insert(double x_s, double delay_ns) {

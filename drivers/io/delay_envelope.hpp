@@ -16,10 +16,10 @@ namespace slamd {
 class DelayEnvelope {
  public:
   struct Config {
-    double window_s = 10.0;          // longest memory
-    double expected_jitter_s = 1e-3; // width of the excess before it is learnt
-    double skew_sigma_ppm = 100.0;   // prior of the skew
-    double noise_floor_s = 2e-6;     // resolution of stamps: the excess is never believed to be narrower
+    double window_s = 10.0;           // longest memory
+    double expected_jitter_s = 1e-3;  // width of the excess before it is learnt
+    double skew_sigma_ppm = 100.0;    // prior of the skew
+    double noise_floor_s = 2e-6;      // resolution of stamps: the excess is never believed to be narrower
   };
   struct Line {
     double x_s = 0.0;         // where offset_ns holds
@@ -66,9 +66,9 @@ class DelayEnvelope {
   std::array<Bin, kBins> bins_{};
   std::size_t bin_count_ = 0;
   double bin_width_s_ = 0.0;
-  std::uint32_t count_ = 0;      // delays since restart()
-  std::uint32_t learnt_ = 0;     // excesses that quantile_ns_ has seen, saturating
-  double quantile_ns_ = 0.0;     // a low quantile of the excess
+  std::uint32_t count_ = 0;   // delays since restart()
+  std::uint32_t learnt_ = 0;  // excesses that quantile_ns_ has seen, saturating
+  double quantile_ns_ = 0.0;  // a low quantile of the excess
   double prior_skew_ = 0.0;
   double prior_sigma_ = 0.0;
   Line line_;

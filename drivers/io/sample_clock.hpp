@@ -18,7 +18,7 @@ class SampleClock {
     Duration nominal_period{5'000'000};
     double period_sigma_ppm = 10'000.0;  // how far the true period may be off: 208 Hz is 38,000 ppm from 200 Hz
     double expected_jitter_s = 1.7e-3;
-    Duration min_latency{300'000};       // constant part of the delay from measurement to arrival
+    Duration min_latency{300'000};  // constant part of the delay from measurement to arrival
   };
 
   explicit SampleClock(const Config& config);

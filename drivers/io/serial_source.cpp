@@ -18,7 +18,9 @@ namespace {
 using boost::asio::serial_port;
 
 static_assert(std::chrono::steady_clock::is_steady);  // libstdc++: CLOCK_MONOTONIC, nanoseconds
-HostTime now() { return HostTime{std::chrono::steady_clock::now().time_since_epoch()}; }
+HostTime now() {
+  return HostTime{std::chrono::steady_clock::now().time_since_epoch()};
+}
 
 bool configure(serial_port& port, std::uint32_t baud) {
   boost::system::error_code error;
@@ -58,7 +60,9 @@ SerialSource::SerialSource(SerialSource&&) noexcept = default;
 SerialSource& SerialSource::operator=(SerialSource&&) noexcept = default;
 SerialSource::~SerialSource() = default;
 
-bool SerialSource::is_open() const { return port_->port.is_open(); }
+bool SerialSource::is_open() const {
+  return port_->port.is_open();
+}
 
 SerialRead SerialSource::read(Duration timeout) {
   const HostTime deadline = now() + timeout;

@@ -13,17 +13,17 @@
 namespace slamd {
 
 struct SerialSourceConfig {
-  std::string path;             // stable: /dev/serial/by-id/...; a symlink is followed anew at every opening
-  std::uint32_t baud = 115200;  // no meaning for USB CDC and ptys
-  Duration reopen_min{100'000'000};    // wait after a failed opening; doubled with each failure
+  std::string path;                  // stable: /dev/serial/by-id/...; a symlink is followed anew at every opening
+  std::uint32_t baud = 115200;       // no meaning for USB CDC and ptys
+  Duration reopen_min{100'000'000};  // wait after a failed opening; doubled with each failure
   Duration reopen_max{2'000'000'000};
 };
 
 struct SerialStats {
   std::uint64_t bytes = 0;
-  std::uint64_t openings = 0;         // that succeeded; the first included
+  std::uint64_t openings = 0;  // that succeeded; the first included
   std::uint64_t failed_openings = 0;
-  std::uint64_t losses = 0;           // the port went away while open
+  std::uint64_t losses = 0;  // the port went away while open
 };
 
 struct SerialRead {
@@ -31,7 +31,8 @@ struct SerialRead {
   HostTime arrival;                     // right after the read
 };
 
-/// One thread. read() allocates only when it opens the port; it returns within its timeout, so that the thread can stop.
+/// One thread. read() allocates only when it opens the port; it returns within its timeout, so that the thread can
+/// stop.
 class SerialSource {
  public:
   static constexpr std::size_t kMaxRead = 4096;

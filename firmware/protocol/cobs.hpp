@@ -8,10 +8,12 @@
 namespace slamd {
 
 /// Longest encoding of `size` bytes.
-constexpr std::size_t cobs_max_encoded(std::size_t size) { return size + size / 254 + 1; }
+constexpr std::size_t cobs_max_encoded(std::size_t size) {
+  return size + size / 254 + 1;
+}
 
-/// Encodes `plain` into `encoded`, which holds at least cobs_max_encoded(plain.size()) bytes. Returns the bytes written;
-/// none of them is zero. Freestanding, O(size).
+/// Encodes `plain` into `encoded`, which holds at least cobs_max_encoded(plain.size()) bytes. Returns the bytes
+/// written; none of them is zero. Freestanding, O(size).
 constexpr std::size_t cobs_encode(std::span<const std::uint8_t> plain, std::span<std::uint8_t> encoded) {
   std::size_t code_at = 0;
   std::size_t out = 1;

@@ -41,8 +41,8 @@ struct ImuFrame {
   std::uint64_t device_us = 0;         // device clock at data-ready
   std::array<std::int16_t, 3> gyro{};  // LSB, sensor axes x y z
   std::array<std::int16_t, 3> accel{};
-  std::int16_t temperature = 0;        // 256 LSB/degC, 0 = 25 degC
-  std::uint16_t dropped = 0;           // frames that could not be sent since start; wraps
+  std::int16_t temperature = 0;  // 256 LSB/degC, 0 = 25 degC
+  std::uint16_t dropped = 0;     // frames that could not be sent since start; wraps
 
   constexpr bool has(ImuStatus bit) const { return (status & static_cast<std::uint8_t>(bit)) != 0; }
   friend constexpr bool operator==(const ImuFrame&, const ImuFrame&) = default;
@@ -68,7 +68,8 @@ constexpr void store(std::span<std::uint8_t> bytes, std::size_t at, U value) {
 template <class U>
 constexpr U load(std::span<const std::uint8_t> bytes, std::size_t at) {
   U value = 0;
-  for (std::size_t i = 0; i < sizeof(U); ++i) value = static_cast<U>(value | (static_cast<U>(bytes[at + i]) << (8U * i)));
+  for (std::size_t i = 0; i < sizeof(U); ++i)
+    value = static_cast<U>(value | (static_cast<U>(bytes[at + i]) << (8U * i)));
   return value;
 }
 

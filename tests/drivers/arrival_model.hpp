@@ -28,12 +28,12 @@ class ArrivalModel {
 
   double period_s = 0.005;
   double min_latency_s = 3e-4;
-  double width_s = 1.7e-3;        // of uniform jitter; the others scale with it
-  double skew_ppm = 0.0;          // host against device, as ClockSync says it
+  double width_s = 1.7e-3;  // of uniform jitter; the others scale with it
+  double skew_ppm = 0.0;    // host against device, as ClockSync says it
   double skew_drift_ppm_s = 0.0;
-  double device_step_s = 0.0;     // added to the device's clock: a jump
-  double host_step_s = 0.0;       // added to the host's clock
-  double extra_delay_s = 0.0;     // added to the arrival: a stall
+  double device_step_s = 0.0;  // added to the device's clock: a jump
+  double host_step_s = 0.0;    // added to the host's clock
+  double extra_delay_s = 0.0;  // added to the arrival: a stall
 
   /// The next datum, one period later. Arrivals keep their order, as bytes in a queue do.
   Datum next() {
@@ -54,10 +54,14 @@ class ArrivalModel {
   double excess() {
     const double u = uniform_(random_);
     switch (jitter_) {
-      case Jitter::kUniform: return width_s * u;
-      case Jitter::kExponential: return -0.3 * width_s * std::log(1.0 - u);
-      case Jitter::kHeavyTail: return 0.1 * width_s * (std::pow(1.0 - u, -0.7) - 1.0);
-      case Jitter::kBursts: break;
+      case Jitter::kUniform:
+        return width_s * u;
+      case Jitter::kExponential:
+        return -0.3 * width_s * std::log(1.0 - u);
+      case Jitter::kHeavyTail:
+        return 0.1 * width_s * (std::pow(1.0 - u, -0.7) - 1.0);
+      case Jitter::kBursts:
+        break;
     }
     if (burst_left_s_ <= 0.0 && uniform_(random_) < 0.005) burst_left_s_ = 0.03;
     burst_left_s_ -= period_s;

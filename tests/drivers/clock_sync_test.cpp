@@ -22,14 +22,16 @@ ClockSync::Config imu_config() {
   return config;
 }
 
-double error_us(HostTime estimate, HostTime truth) { return static_cast<double>((estimate - truth).count()) * 1e-3; }
+double error_us(HostTime estimate, HostTime truth) {
+  return static_cast<double>((estimate - truth).count()) * 1e-3;
+}
 
 struct Outcome {
   double rms_settled_us = 0.0;
   double max_settled_us = 0.0;
-  double rms_first_us = 0.0;      // samples 10..50
+  double rms_first_us = 0.0;  // samples 10..50
   double max_locked_step_us = 0.0;
-  double z2 = 0.0;                // mean of (error / sigma)^2 after 20 samples
+  double z2 = 0.0;  // mean of (error / sigma)^2 after 20 samples
   bool monotone = true;
   bool locked = false;
   std::uint32_t jumps = 0;
@@ -69,7 +71,9 @@ struct Case {
   double skew_ppm;
   double drift_ppm_s;
 };
-void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name;
+}
 
 class ClockSyncOverJitter : public testing::TestWithParam<Case> {};
 
@@ -96,15 +100,16 @@ TEST_P(ClockSyncOverJitter, IsWithin60MicrosecondsAfterTwoSecondsAndHonestAboutI
   EXPECT_LT(mean_z2, 4.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Jitters, ClockSyncOverJitter,
-    testing::Values(Case{"uniform", Jitter::kUniform, 0.0, 0.0}, Case{"uniform_slow_device", Jitter::kUniform, 200.0, 0.0},
-                    Case{"uniform_fast_device", Jitter::kUniform, -200.0, 0.0},
-                    Case{"exponential", Jitter::kExponential, 200.0, 0.0},
-                    Case{"exponential_fast_device", Jitter::kExponential, -200.0, 0.0},
-                    Case{"heavy_tail", Jitter::kHeavyTail, -200.0, 0.0}, Case{"bursts", Jitter::kBursts, 200.0, 0.0},
-                    Case{"warming_up", Jitter::kUniform, 20.0, 0.5}),
-    [](const auto& tested) { return std::string{tested.param.name}; });
+INSTANTIATE_TEST_SUITE_P(Jitters, ClockSyncOverJitter,
+                         testing::Values(Case{"uniform", Jitter::kUniform, 0.0, 0.0},
+                                         Case{"uniform_slow_device", Jitter::kUniform, 200.0, 0.0},
+                                         Case{"uniform_fast_device", Jitter::kUniform, -200.0, 0.0},
+                                         Case{"exponential", Jitter::kExponential, 200.0, 0.0},
+                                         Case{"exponential_fast_device", Jitter::kExponential, -200.0, 0.0},
+                                         Case{"heavy_tail", Jitter::kHeavyTail, -200.0, 0.0},
+                                         Case{"bursts", Jitter::kBursts, 200.0, 0.0},
+                                         Case{"warming_up", Jitter::kUniform, 20.0, 0.5}),
+                         [](const auto& tested) { return std::string{tested.param.name}; });
 
 TEST(ClockSync, CorrectsTheMeanOfTheJitterFromTheFirstSample) {
   double sum_us = 0.0;
@@ -161,7 +166,9 @@ struct Jump {
   double device_s, host_s;
   int at_most_samples;
 };
-void PrintTo(const Jump& j, std::ostream* out) { *out << j.name; }
+void PrintTo(const Jump& j, std::ostream* out) {
+  *out << j.name;
+}
 
 class ClockSyncOverJumps : public testing::TestWithParam<Jump> {};
 
@@ -212,8 +219,10 @@ TEST(ClockSync, GivesTheSameBitsForTheSameInput) {
     for (std::size_t i = 0; i < 3000; ++i) {
       const ArrivalModel::Datum datum = model.next();
       const HostTime time = sync.update(datum.device, datum.arrival);
-      if (round == 0) first.push_back(time);
-      else ASSERT_EQ(time, first[i]);
+      if (round == 0)
+        first.push_back(time);
+      else
+        ASSERT_EQ(time, first[i]);
     }
   }
 }

@@ -59,7 +59,8 @@ TEST(ImuCsvReader, FindsTheTrueTimesOfTheSampleDrive) {
   double sum_us2 = 0.0, first_us = 0.0, settled_us = 0.0;
   std::int64_t i = 0;
   for (; const auto sample = reader.next(); ++i) {
-    const double error_us = static_cast<double>(to_ns(sample->time) - (1'780'300'800'000'000'000 + i * 5'000'000)) * 1e-3;
+    const double error_us =
+        static_cast<double>(to_ns(sample->time) - (1'780'300'800'000'000'000 + i * 5'000'000)) * 1e-3;
     sum_us2 += error_us * error_us;
     (i < 1000 ? first_us : settled_us) = std::max(i < 1000 ? first_us : settled_us, std::abs(error_us));
   }

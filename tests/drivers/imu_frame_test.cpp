@@ -93,8 +93,9 @@ TEST(Cobs, RefusesZerosOverrunsAndLackOfRoom) {
 
 TEST(ImuFrame, LiesOnTheWireAsTheTableSays) {
   const std::array<std::uint8_t, kImuFramePlainBytes> plain = pack(some_frame());
-  const std::array<std::uint8_t, 28> expected{0x11, 0x20, 0x34, 0x12, 8,    7,    6,    5, 4, 3,    2,    1, 0xFF, 0xFF,
-                                              2,    0,    0x00, 0x80, 0xFF, 0x00, 0x00, 1, 0xFF, 0x7F, 0x00, 0xFF, 7, 0};
+  const std::array<std::uint8_t, 28> expected{0x11, 0x20, 0x34, 0x12, 8,    7,    6,    5,    4,    3,
+                                              2,    1,    0xFF, 0xFF, 2,    0,    0x00, 0x80, 0xFF, 0x00,
+                                              0x00, 1,    0xFF, 0x7F, 0x00, 0xFF, 7,    0};
   EXPECT_TRUE(std::equal(expected.begin(), expected.end(), plain.begin()));
   EXPECT_EQ(plain[28] | (plain[29] << 8), crc16(std::span{plain}.first(28)));
 }

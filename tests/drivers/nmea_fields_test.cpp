@@ -18,7 +18,8 @@ TEST(NmeaFields, LatitudesAndLongitudesInDegrees) {
 }
 
 TEST(NmeaFields, RefuseWhatIsNoAngle) {
-  for (const std::string_view bad : {"", "4", "48", "9000.001", "4860.0", "48-1.0", "481a.0", "48.15", "4815.9.1", " 4815.9"}) {
+  for (const std::string_view bad :
+       {"", "4", "48", "9000.001", "4860.0", "48-1.0", "481a.0", "48.15", "4815.9.1", " 4815.9"}) {
     EXPECT_FALSE(latitude_deg(bad, "N")) << bad;
   }
   for (const std::string_view bad : {"", "E", "n", "NN"}) EXPECT_FALSE(latitude_deg("4815.9", bad)) << bad;
@@ -30,7 +31,8 @@ TEST(NmeaFields, Numbers) {
   EXPECT_EQ(number("-31.442"), -31.442);
   EXPECT_EQ(number("+1"), 1.0);
   EXPECT_EQ(number("072.35"), 72.35);
-  for (const std::string_view bad : {"", "-", ".", "1e5", "nan", "inf", "0x1", "1,2", "1-2", "+-1"}) EXPECT_FALSE(number(bad)) << bad;
+  for (const std::string_view bad : {"", "-", ".", "1e5", "nan", "inf", "0x1", "1,2", "1-2", "+-1"})
+    EXPECT_FALSE(number(bad)) << bad;
   EXPECT_FALSE(non_negative("-0.1"));
   EXPECT_EQ(small_count("08"), 8U);
   EXPECT_FALSE(small_count("256"));
@@ -42,7 +44,8 @@ TEST(NmeaFields, TimesOfDay) {
   EXPECT_EQ(time_of_day("235959.999"), 24h - 1ms);
   EXPECT_EQ(time_of_day("132820.60"), 13h + 28min + 20s + 600ms);
   EXPECT_EQ(time_of_day("235960.00"), 24h);
-  for (const std::string_view bad : {"", "12", "240000", "126000", "120061", "12-100", "1200:0"}) EXPECT_FALSE(time_of_day(bad)) << bad;
+  for (const std::string_view bad : {"", "12", "240000", "126000", "120061", "12-100", "1200:0"})
+    EXPECT_FALSE(time_of_day(bad)) << bad;
 }
 
 TEST(NmeaFields, Dates) {
@@ -50,7 +53,8 @@ TEST(NmeaFields, Dates) {
   EXPECT_EQ(date_ddmmyy("010626"), sys_days{year{2026} / 6 / 1});
   EXPECT_EQ(date_ddmmyy("290224"), sys_days{year{2024} / 2 / 29});
   EXPECT_EQ(date_ddmmyy("311299"), sys_days{year{1999} / 12 / 31});
-  for (const std::string_view bad : {"", "290223", "000126", "010026", "1326", "01062026"}) EXPECT_FALSE(date_ddmmyy(bad)) << bad;
+  for (const std::string_view bad : {"", "290223", "000126", "010026", "1326", "01062026"})
+    EXPECT_FALSE(date_ddmmyy(bad)) << bad;
   EXPECT_EQ(date("01", "06", "2026"), sys_days{year{2026} / 6 / 1});
   EXPECT_FALSE(date("01", "06", "26"));
   EXPECT_FALSE(date("01", "06", "2300"));

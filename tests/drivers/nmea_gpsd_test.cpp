@@ -1,5 +1,5 @@
-// Logs of real receivers against what gpsd made of them (shared/data/nmea). Strict: every position that gpsd gives from a
-// GGA or RMC must come out of our parser, in order, within 1e-7 degrees, and every fix of ours must be one of gpsd's.
+// Logs of real receivers against what gpsd made of them (shared/data/nmea). Strict: every position that gpsd gives from
+// a GGA or RMC must come out of our parser, in order, within 1e-7 degrees, and every fix of ours must be one of gpsd's.
 
 #include <gtest/gtest.h>
 
@@ -27,9 +27,9 @@ using test::Fixes;
 /// One TPV of gpsd with a position, and the sentence it was made at.
 struct Expected {
   double latitude_deg, longitude_deg;
-  std::string time;           // ISO 8601, empty when gpsd had none
-  double height_m = NAN;      // altHAE
-  std::string sentence;       // newest with a position: "GGA", "RMC", "GLL", "GNS", ...
+  std::string time;       // ISO 8601, empty when gpsd had none
+  double height_m = NAN;  // altHAE
+  std::string sentence;   // newest with a position: "GGA", "RMC", "GLL", "GNS", ...
 };
 
 /// What of a log differs, and why. The numbers are exact: one more or one less fails. All else must agree in full.
@@ -43,7 +43,8 @@ struct Difference {
 
 constexpr const char* kNoSeparation = "GGA without geoid separation: gpsd adds its own geoid model, we give no height";
 constexpr const char* kTwoDimensions = "GSA says 2D: gpsd still reports the height, we do not believe it";
-constexpr const char* kGll = "positions of GLL or GNS, which we do not read, before or after GGA and RMC of their second";
+constexpr const char* kGll =
+    "positions of GLL or GNS, which we do not read, before or after GGA and RMC of their second";
 constexpr const char* kSimulator = "quality 8 (simulator) in GGA while RMC of the same second is void: refused";
 constexpr const char* kFewerDigits = "RMC repeats GGA's position with a digit less: the fix carries GGA's";
 
@@ -54,8 +55,10 @@ const std::map<std::string, Difference>& differences() {
       {"ac12_binary", {.heights = 7, .tolerance_deg = 1e-6, .why = kFewerDigits}},
       {"tcp-torture", {.tolerance_deg = 1e-6, .why = kFewerDigits}},
       {"udp-test", {.tolerance_deg = 1e-6, .why = kFewerDigits}},
-      {"bundg_zeus_9", {.positions = 858, .ours = 44,
-                        .why = "RMC and GLL carry the rounded position of the second before GGA's: the fix carries GGA's"}},
+      {"bundg_zeus_9",
+       {.positions = 858,
+        .ours = 44,
+        .why = "RMC and GLL carry the rounded position of the second before GGA's: the fix carries GGA's"}},
       {"ericsson-gru04", {.positions = 2, .why = kGll}},
       {"garmin38", {.positions = 2, .why = kGll}},
       {"neo-m8n", {.positions = 1, .why = kGll}},
@@ -92,7 +95,8 @@ std::vector<GnssFix> our_fixes(std::string log) {
     const std::size_t end = std::min(log.find('\n', begin), log.size() - 1) + 1;
     const std::string line = log.substr(begin, end - begin);
     begin = end;
-    const bool timed = line.size() > 14 && line[0] == '$' && (line.substr(3, 4) == "GGA," || line.substr(3, 4) == "RMC,");
+    const bool timed =
+        line.size() > 14 && line[0] == '$' && (line.substr(3, 4) == "GGA," || line.substr(3, 4) == "RMC,");
     const std::string new_time = timed ? line.substr(7, line.find(',', 7) - 7) : time;
     arrival += std::chrono::milliseconds{new_time == time ? 1 : 1000};
     time = new_time;
@@ -139,13 +143,17 @@ std::vector<fs::path> logs() {
 std::optional<GnssTime> parse_time(const std::string& iso) {
   int year = 0, month = 0, day = 0, hour = 0, minute = 0;
   double second = 0.0;
-  if (std::sscanf(iso.c_str(), "%d-%d-%dT%d:%d:%lf", &year, &month, &day, &hour, &minute, &second) != 6) return std::nullopt;
+  if (std::sscanf(iso.c_str(), "%d-%d-%dT%d:%d:%lf", &year, &month, &day, &hour, &minute, &second) != 6)
+    return std::nullopt;
   const std::chrono::sys_days date{std::chrono::year{year} / month / day};
-  return GnssTime{date.time_since_epoch()} + std::chrono::hours{hour} + std::chrono::minutes{minute} + from_seconds(second);
+  return GnssTime{date.time_since_epoch()} + std::chrono::hours{hour} + std::chrono::minutes{minute} +
+         from_seconds(second);
 }
 
 /// Made at a sentence that we read.
-bool of_ours(const Expected& e) { return e.sentence == "GGA" || e.sentence == "RMC"; }
+bool of_ours(const Expected& e) {
+  return e.sentence == "GGA" || e.sentence == "RMC";
+}
 
 /// Equal but for the roll-overs that gpsd makes up when a log has no date in its head.
 bool same_time(const Expected& e, const GnssFix& fix) {
@@ -207,7 +215,8 @@ TEST_P(NmeaGpsd, GivesTheSameFixes) {
 
 INSTANTIATE_TEST_SUITE_P(Logs, NmeaGpsd, testing::ValuesIn(logs()), [](const auto& tested) {
   std::string name = tested.param.stem();
-  std::replace_if(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
   return name;
 });
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(NmeaGpsd);

@@ -19,14 +19,17 @@ using test::sentence;
 
 std::string clock_text(int second_of_day) {
   std::array<char, 16> text{};
-  std::snprintf(text.data(), text.size(), "%02d%02d%02d.00", second_of_day / 3600 % 24, second_of_day / 60 % 60, second_of_day % 60);
+  std::snprintf(text.data(), text.size(), "%02d%02d%02d.00", second_of_day / 3600 % 24, second_of_day / 60 % 60,
+                second_of_day % 60);
   return text.data();
 }
 std::string gga(int second, const char* minutes = "15.91801", const char* tail = "1,11,0.87,481.6,M,46.2,M,,") {
   return sentence("GPGGA," + clock_text(second) + ",48" + minutes + ",N,01140.28435,E," + tail);
 }
-std::string rmc(int second, const char* date = "010626", const char* minutes = "15.91801", const char* motion = "10.0,90.0") {
-  return sentence("GPRMC," + clock_text(second) + ",A,48" + minutes + ",N,01140.28435,E," + motion + "," + date + ",,,A");
+std::string rmc(int second, const char* date = "010626", const char* minutes = "15.91801",
+                const char* motion = "10.0,90.0") {
+  return sentence("GPRMC," + clock_text(second) + ",A,48" + minutes + ",N,01140.28435,E," + motion + "," + date +
+                  ",,,A");
 }
 std::string gst(int second, const char* sigmas = "1.2,1.6,3.0") {
   return sentence("GPGST," + clock_text(second) + ",5.4,1.1,1.1,45.0," + sigmas);
@@ -35,7 +38,9 @@ const std::string kGsa3d = sentence("GPGSA,A,3,02,04,05,,,,,,,,,,1.57,0.87,1.31"
 const std::string kGsa2d = sentence("GPGSA,A,2,02,04,05,,,,,,,,,,1.57,0.87,1.31");
 const std::string kVtg = sentence("GPVTG,45.0,T,,M,3.6,N,,K,A");
 
-HostTime at(int second, Duration late = 120ms) { return HostTime{std::chrono::seconds{5000 + second}} + late; }
+HostTime at(int second, Duration late = 120ms) {
+  return HostTime{std::chrono::seconds{5000 + second}} + late;
+}
 
 TEST(NmeaParser, MakesOneFixOfAllSentencesOfAnEpoch) {
   Fixes f;
@@ -55,7 +60,8 @@ TEST(NmeaParser, MakesOneFixOfAllSentencesOfAnEpoch) {
   EXPECT_NEAR(fix.sigma_horizontal_m, std::sqrt((1.44 + 2.56) / 2), 1e-9);
   EXPECT_NEAR(fix.sigma_vertical_m, 3.0, 1e-9);
   ASSERT_TRUE(fix.utc_valid);
-  EXPECT_EQ(fix.utc.time_since_epoch(), std::chrono::sys_days{std::chrono::year{2026} / 6 / 1}.time_since_epoch() + 10h);
+  EXPECT_EQ(fix.utc.time_since_epoch(),
+            std::chrono::sys_days{std::chrono::year{2026} / 6 / 1}.time_since_epoch() + 10h);
   EXPECT_FALSE(fix.stale);
 }
 
@@ -76,7 +82,8 @@ TEST(NmeaParser, ByteAtATimeEqualsAllAtOnce) {
 /// Once the order is known a fix comes with the last sentence of its own second, whatever the order is.
 TEST(NmeaParser, DoesNotWaitForTheNextSecondOnceItKnowsTheOrder) {
   const auto cycles = std::vector<std::vector<std::string>>{
-      {"gga", "gsa", "rmc", "vtg"}, {"rmc", "gga"}, {"gsa", "gsa", "rmc", "gga", "gst"}, {"rmc"}, {"gga"}, {"vtg", "gsa", "gga"}};
+      {"gga", "gsa", "rmc", "vtg"}, {"rmc", "gga"}, {"gsa", "gsa", "rmc", "gga", "gst"}, {"rmc"}, {"gga"},
+      {"vtg", "gsa", "gga"}};
   for (const auto& cycle : cycles) {
     Fixes f;
     for (int s = 0; s < 20; ++s) {
@@ -119,7 +126,8 @@ TEST(NmeaParser, HostTimeComesFromUtcNotFromTheJitterOfArrival) {
   std::mt19937 random{3};
   std::uniform_real_distribution<double> late{0.0, 0.02};
   for (int s = 0; s < 120; ++s) f.feed(gga(s) + rmc(s), at(s, 120ms + from_seconds(late(random))));
-  for (const GnssFix& fix : f.fixes) EXPECT_NEAR(to_seconds(fix.time - at(0, 0ms)), std::round(to_seconds(fix.time - at(0, 0ms))), 0.015);
+  for (const GnssFix& fix : f.fixes)
+    EXPECT_NEAR(to_seconds(fix.time - at(0, 0ms)), std::round(to_seconds(fix.time - at(0, 0ms))), 0.015);
   EXPECT_NEAR(to_seconds(f.fixes.back().time - at(119, 0ms)), 0.0, 0.004);
 }
 

@@ -36,9 +36,11 @@ TEST(NmeaTokenizer, SplitsFieldsAndKnowsTypesOfAnyTalker) {
 TEST(NmeaTokenizer, CountsWhatItDropsByCause) {
   NmeaTokenizer tokenizer;
   const std::string long_line = "$GPGGA," + std::string(NmeaTokenizer::kMaxLength, '1');
-  const std::string text = "noise$GPGGA,1*00\r\n"                         // checksum
-                           "$GPGGA,1\r\n$GPGGA,1*G0\r\n$GPGGA,1*4\r\n"  // none
-                           "$GPG\x01GA\r\n$GPGG" + test::sentence("GPGGA,ok") + long_line + "\r\n";
+  const std::string text =
+      "noise$GPGGA,1*00\r\n"                       // checksum
+      "$GPGGA,1\r\n$GPGGA,1*G0\r\n$GPGGA,1*4\r\n"  // none
+      "$GPG\x01GA\r\n$GPGG" +
+      test::sentence("GPGGA,ok") + long_line + "\r\n";
   EXPECT_EQ(sentences(tokenizer, text), (std::vector<std::string>{"0GP|ok"}));
   EXPECT_EQ(tokenizer.stats().bad_checksum, 1U);
   EXPECT_EQ(tokenizer.stats().no_checksum, 3U);

@@ -111,7 +111,10 @@ TEST_F(SerialSourceTest, AMissingPortIsTriedAgainWithinTheTimeout) {
 }
 
 TEST_F(SerialSourceTest, ARefusedPathIsNoSerialPort) {
-  { const int file = ::open(link_.c_str(), O_CREAT | O_WRONLY, 0600); ::close(file); }
+  {
+    const int file = ::open(link_.c_str(), O_CREAT | O_WRONLY, 0600);
+    ::close(file);
+  }
   SerialSource source{config()};
   source.read(1ms);
   EXPECT_FALSE(source.is_open());

@@ -58,7 +58,8 @@ TEST_F(StreamAllocation, ParsingNmeaAllocatesNothing) {
   for (std::size_t s = 0; s < cycles.size(); ++s) {
     const std::string time = "1200" + std::string(s < 10 ? "0" : "") + std::to_string(s) + ".00";
     cycles[s] = test::sentence("GPGGA," + time + ",4815.91801,N,01140.28435,E,1,11,0.87,481.6,M,46.2,M,,") + lines[0] +
-                test::sentence("GPRMC," + time + ",A,4815.91801,N,01140.28435,E,0.1,90.0,010626,,,A") + lines[1] + lines[2];
+                test::sentence("GPRMC," + time + ",A,4815.91801,N,01140.28435,E,0.1,90.0,010626,,,A") + lines[1] +
+                lines[2];
   }
   NmeaParser parser;
   int fixes = 0;

@@ -1,5 +1,5 @@
-// IMU byte stream: any bytes. Properties: a frame that comes out stood in the stream byte for byte; a frame that is sent
-// after any garbage and a delimiter is found; samples are finite.
+// IMU byte stream: any bytes. Properties: a frame that comes out stood in the stream byte for byte; a frame that is
+// sent after any garbage and a delimiter is found; samples are finite.
 
 #include <algorithm>
 #include <cstdlib>
@@ -55,9 +55,10 @@ void check_samples(std::span<const std::uint8_t> stream) {
   HostTime arrival{std::chrono::seconds{1}};
   for (std::size_t begin = 0; begin < stream.size(); begin += 32) {
     arrival += std::chrono::milliseconds{5};
-    parser.feed(stream.subspan(begin, std::min<std::size_t>(32, stream.size() - begin)), arrival, [&](const ImuSample& s) {
-      require(s.gyro_rads.allFinite() && s.accel_mps2.allFinite() && s.arrival == arrival);
-    });
+    parser.feed(stream.subspan(begin, std::min<std::size_t>(32, stream.size() - begin)), arrival,
+                [&](const ImuSample& s) {
+                  require(s.gyro_rads.allFinite() && s.accel_mps2.allFinite() && s.arrival == arrival);
+                });
   }
 }
 
