@@ -26,6 +26,7 @@ if(SLAMD_SANITIZE)
   target_link_options(slamd_options INTERFACE -fsanitize=${SLAMD_SANITIZE})
   if(SLAMD_SANITIZE MATCHES thread)  # Boost.Asio has stand-alone fences, which GCC's thread sanitizer cannot follow
     target_compile_options(slamd_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan>)
+    target_compile_definitions(slamd_options INTERFACE BOOST_ASIO_DISABLE_FENCES)
   endif()
 endif()
 if(SLAMD_FUZZ)
