@@ -8,8 +8,8 @@ namespace slamd::sim {
 
 struct PathPoint {
   Eigen::Vector2d position;
-  double yaw;                // of the tangent, -pi..pi
-  double curvature_per_m;    // positive: bends left
+  double yaw;              // of the tangent, -pi..pi
+  double curvature_per_m;  // positive: bends left
 };
 
 class Path {

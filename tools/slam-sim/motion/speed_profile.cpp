@@ -5,8 +5,8 @@
 namespace slamd::sim {
 namespace {
 
-constexpr double kGrid = 0.1;        // metres
-constexpr double kSmoothing = 0.4;   // half width, seconds
+constexpr double kGrid = 0.1;       // metres
+constexpr double kSmoothing = 0.4;  // half width, seconds
 
 /// Speeds on a grid along the leg: limits first, then what can be reached forwards and braked backwards.
 std::vector<double> leg_speeds(const Path& path, const Leg& leg, const SpeedLimits& limits, double first_speed) {
@@ -52,7 +52,8 @@ std::vector<double> smoothed(const std::vector<double>& s, double step_s) {
   const int half = static_cast<int>(kSmoothing / step_s);
   const int last = static_cast<int>(s.size()) - 1;
   const auto at = [&](int i) {  // held at the end, straight on at the start, so that a moving start keeps its speed
-    return i < 0 ? 2 * s.front() - s[static_cast<std::size_t>(std::min(-i, last))] : s[static_cast<std::size_t>(std::min(i, last))];
+    return i < 0 ? 2 * s.front() - s[static_cast<std::size_t>(std::min(-i, last))]
+                 : s[static_cast<std::size_t>(std::min(i, last))];
   };
   std::vector<double> out(s.size());
   for (int i = 0; i <= last; ++i) {

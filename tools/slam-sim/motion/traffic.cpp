@@ -20,12 +20,22 @@ Traffic::Traffic(const World& world, const Trajectory& ego, const Path& ego_path
       movers_.push_back({ego_path_.get(), 13.0, 0.0, 0.0, true, {2.2, 0.9, 0.72}, paint()});
     } else if (i % 3 == 0) {
       const double van = rng.chance(0.25) ? 1.2 : 0.72;
-      movers_.push_back({oncoming_.get(), rng.uniform(0.0, oncoming_->length()), -rng.uniform(4.0, 9.0), rng.uniform(-0.2, 0.2),
-                         false, {rng.uniform(1.9, 2.7), 0.9, van}, paint()});
+      movers_.push_back({oncoming_.get(),
+                         rng.uniform(0.0, oncoming_->length()),
+                         -rng.uniform(4.0, 9.0),
+                         rng.uniform(-0.2, 0.2),
+                         false,
+                         {rng.uniform(1.9, 2.7), 0.9, van},
+                         paint()});
     } else {
       const double speed = rng.uniform(0.8, 1.7) * (rng.chance(0.5) ? 1.0 : -1.0);
-      movers_.push_back({pavement_.get(), rng.uniform(0.0, pavement_->length()), speed, rng.uniform(-0.5, 0.5), false,
-                         {0.18, 0.25, rng.uniform(0.78, 0.95)}, materials::kClothes});
+      movers_.push_back({pavement_.get(),
+                         rng.uniform(0.0, pavement_->length()),
+                         speed,
+                         rng.uniform(-0.5, 0.5),
+                         false,
+                         {0.18, 0.25, rng.uniform(0.78, 0.95)},
+                         materials::kClothes});
     }
   }
 }
@@ -46,7 +56,8 @@ MovingBody Traffic::body_of(const Mover& mover, double t) const {
   };
   constexpr double kStep = 0.02;
   const double s = distance(mover, t);
-  const double speed = mover.follows_ego ? (ego_.distance_at(t + kStep) - ego_.distance_at(t)) / kStep : mover.speed_mps;
+  const double speed =
+      mover.follows_ego ? (ego_.distance_at(t + kStep) - ego_.distance_at(t)) / kStep : mover.speed_mps;
   const Eigen::Vector3d here = place(s);
   const Eigen::Vector3d velocity = (place(s + speed * kStep) - here) / kStep;
   const double turn = mover.speed_mps < 0.0 ? std::numbers::pi : 0.0;

@@ -26,9 +26,9 @@ class Traffic {
   struct Mover {
     const Path* path;
     double start_m;
-    double speed_mps;       // negative: against the path's direction
-    double lateral_m;       // to the left of the path
-    bool follows_ego;       // start_m ahead of the ego, at its speed
+    double speed_mps;  // negative: against the path's direction
+    double lateral_m;  // to the left of the path
+    bool follows_ego;  // start_m ahead of the ego, at its speed
     Eigen::Vector3d half;
     Material material;
   };

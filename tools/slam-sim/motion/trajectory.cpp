@@ -17,7 +17,8 @@ constexpr double kWheelbase = 2.7, kTrack = 1.6;
 constexpr double kPitchPerAcceleration = -0.006;  // rad per m/s^2: nose up when speeding up
 constexpr double kRollPerAcceleration = 0.010;    // leans out of the bend
 
-/// Height, roll and pitch of a rigid car whose rear axle's middle is at the path point, from the ground under its wheels.
+/// Height, roll and pitch of a rigid car whose rear axle's middle is at the path point, from the ground under its
+/// wheels.
 struct Stance {
   double height, roll, pitch;
 };
@@ -118,7 +119,8 @@ std::vector<Vector6d> sample_motion(const HeightField& ground, const Path& path,
     yaw = i == 0 ? at.yaw : yaw + std::remainder(at.yaw - yaw, 2 * std::numbers::pi);
     const Eigen::Vector4d wobble = suspension.next(speed, acceleration, speed * speed * at.curvature_per_m);
     Vector6d sample;
-    sample << at.position, stance.height + wobble[0], stance.roll + wobble[1], stance.pitch + wobble[2], yaw + wobble[3];
+    sample << at.position, stance.height + wobble[0], stance.roll + wobble[1], stance.pitch + wobble[2],
+        yaw + wobble[3];
     samples.push_back(sample);
   }
   return samples;
@@ -154,9 +156,10 @@ Motion Trajectory::at(double t) const {
   out.acceleration = curve.second.head<3>();
   // Body rates of R = Rz(yaw) Ry(pitch) Rx(roll): w = J(roll, pitch) * d, and its time derivative.
   out.rate = {d.x() - sp * d.z(), cr * d.y() + sr * cp * d.z(), -sr * d.y() + cr * cp * d.z()};
-  out.rate_change = {dd.x() - sp * dd.z() - cp * d.y() * d.z(),
-                     cr * dd.y() + sr * cp * dd.z() - sr * d.x() * d.y() + (cr * cp * d.x() - sr * sp * d.y()) * d.z(),
-                     -sr * dd.y() + cr * cp * dd.z() - cr * d.x() * d.y() - (sr * cp * d.x() + cr * sp * d.y()) * d.z()};
+  out.rate_change = {
+      dd.x() - sp * dd.z() - cp * d.y() * d.z(),
+      cr * dd.y() + sr * cp * dd.z() - sr * d.x() * d.y() + (cr * cp * d.x() - sr * sp * d.y()) * d.z(),
+      -sr * dd.y() + cr * cp * dd.z() - cr * d.x() * d.y() - (sr * cp * d.x() + cr * sp * d.y()) * d.z()};
   return out;
 }
 

@@ -15,7 +15,8 @@ class BandNoise {
   BandNoise(double low_hz, double high_hz, Rng& rng) {
     for (std::size_t i = 0; i < waves_.size(); ++i) {
       const double share = (static_cast<double>(i) + rng.uniform()) / static_cast<double>(waves_.size());
-      waves_[i] = {2 * std::numbers::pi * low_hz * std::pow(high_hz / low_hz, share), rng.uniform(0.0, 2 * std::numbers::pi)};
+      waves_[i] = {2 * std::numbers::pi * low_hz * std::pow(high_hz / low_hz, share),
+                   rng.uniform(0.0, 2 * std::numbers::pi)};
     }
   }
 

@@ -34,16 +34,27 @@ DriveFolder::File DriveFolder::open(const std::filesystem::path& path) {
 }
 
 DriveFolder::DriveFolder(const std::filesystem::path& folder, std::int64_t host_start_ns)
-    : folder_{created(folder)}, host_start_ns_{host_start_ns}, imu_{nullptr, &std::fclose}, gps_{nullptr, &std::fclose} {
+    : folder_{created(folder)},
+      host_start_ns_{host_start_ns},
+      imu_{nullptr, &std::fclose},
+      gps_{nullptr, &std::fclose} {
   for (const char* name : {"lidar.pcap", "imu.csv", "gps.csv"}) std::filesystem::remove(folder_ / name);
 }
 
 void DriveFolder::write(const WireEvent& event) {
   switch (event.channel) {
-    case Channel::kLidar: write_packet(event, 2368); break;
-    case Channel::kPosition: write_packet(event, 8308); break;
-    case Channel::kImu: write_imu(event); break;
-    case Channel::kGps: write_gps(event); break;
+    case Channel::kLidar:
+      write_packet(event, 2368);
+      break;
+    case Channel::kPosition:
+      write_packet(event, 8308);
+      break;
+    case Channel::kImu:
+      write_imu(event);
+      break;
+    case Channel::kGps:
+      write_gps(event);
+      break;
   }
 }
 
@@ -94,11 +105,13 @@ void DriveFolder::write_vehicle(const VehicleGeometry& vehicle) {
   const auto transform = [&](const char* name, const Pose& pose) {
     const auto& p = pose.translation;
     const auto& q = pose.rotation;
-    std::fprintf(file.get(), "%s:\n  translation_m: [%.6f, %.6f, %.6f]\n  rotation_quat_xyzw: [%.12f, %.12f, %.12f, %.12f]\n",
-                 name, p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+    std::fprintf(file.get(),
+                 "%s:\n  translation_m: [%.6f, %.6f, %.6f]\n  rotation_quat_xyzw: [%.12f, %.12f, %.12f, %.12f]\n", name,
+                 p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
   };
-  std::fputs("# True extrinsics: p_base = T_base_x * p_x, metres. base: footprint on the ground, x forward, y left, z up.\n",
-             file.get());
+  std::fputs(
+      "# True extrinsics: p_base = T_base_x * p_x, metres. base: footprint on the ground, x forward, y left, z up.\n",
+      file.get());
   transform("T_base_lidar", vehicle.T_base_lidar);
   transform("T_base_imu", vehicle.T_base_imu);
   const auto& a = vehicle.p_base_antenna;

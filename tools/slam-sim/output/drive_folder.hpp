@@ -12,7 +12,8 @@ namespace slamd::sim {
 
 class DriveFolder {
  public:
-  /// Creates the folder; a sensor's file appears with its first event. host_start_ns: host time of the start of the drive. Throws std::runtime_error with path and reason.
+  /// Creates the folder; a sensor's file appears with its first event. host_start_ns: host time of the start of the
+  /// drive. Throws std::runtime_error with path and reason.
   DriveFolder(const std::filesystem::path& folder, std::int64_t host_start_ns);
 
   /// Events in order of arrival. IMU frames that a driver would refuse leave no line.

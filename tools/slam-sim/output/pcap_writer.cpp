@@ -30,9 +30,9 @@ PcapWriter::PcapWriter(const std::filesystem::path& path)
 }
 
 void PcapWriter::write(std::int64_t stamp_ns, std::uint16_t port, std::span<const std::uint8_t> payload) {
-  std::vector<std::uint8_t> frame{0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x60, 0x76, 0x88, 0x10, 0x20, 0x30, 0x08, 0x00,
-                                  0x45, 0x00, 0,    0,    0,    0,    0x40, 0x00, 0xff, 0x11, 0,    0,    192,  168,
-                                  1,    201,  255,  255,  255,  255};
+  std::vector<std::uint8_t> frame{0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x60, 0x76, 0x88, 0x10, 0x20, 0x30,
+                                  0x08, 0x00, 0x45, 0x00, 0,    0,    0,    0,    0x40, 0x00, 0xff, 0x11,
+                                  0,    0,    192,  168,  1,    201,  255,  255,  255,  255};
   frame.resize(kEthernet + kIp + kUdp);
   store_big(frame, kEthernet + 2, kIp + kUdp + payload.size());
   store_big(frame, kEthernet + 4, count_++);

@@ -1,5 +1,6 @@
 #pragma once
-// UDP payloads of a VLP-16 into a pcap file with nanosecond stamps, by libpcap. Ethernet and IP headers are made up here.
+// UDP payloads of a VLP-16 into a pcap file with nanosecond stamps, by libpcap. Ethernet and IP headers are made up
+// here.
 
 #include <pcap/pcap.h>
 

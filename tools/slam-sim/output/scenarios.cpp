@@ -3,7 +3,9 @@
 namespace slamd::sim {
 namespace {
 
-void two_laps(DriveSpec& spec) { spec.course.kind = CourseKind::kTwoLaps; }
+void two_laps(DriveSpec& spec) {
+  spec.course.kind = CourseKind::kTwoLaps;
+}
 
 void rough(DriveSpec& spec) {
   spec.course.length_m = 600.0;

@@ -3,7 +3,9 @@
 namespace slamd::sim {
 
 SliceQueue::SliceQueue(Simulation& simulation, std::size_t capacity)
-    : simulation_{simulation}, capacity_{capacity}, generator_{[this](const std::stop_token& stop) { generate(stop); }} {}
+    : simulation_{simulation}, capacity_{capacity}, generator_{[this](const std::stop_token& stop) {
+        generate(stop);
+      }} {}
 
 void SliceQueue::generate(const std::stop_token& stop) {
   while (!simulation_.done() && !stop.stop_requested()) {

@@ -23,14 +23,17 @@ const std::map<std::string, ReturnMode> kReturns{
     {"strongest", ReturnMode::kStrongest}, {"last", ReturnMode::kLast}, {"dual", ReturnMode::kDual}};
 
 template <class Enum>
-void add_choice(CLI::App& app, const char* name, const std::map<std::string, Enum>& words, Enum& target, const char* text) {
-  app.add_option_function<std::string>(name, [&words, &target](const std::string& word) { target = words.at(word); }, text)
+void add_choice(CLI::App& app, const char* name, const std::map<std::string, Enum>& words, Enum& target,
+                const char* text) {
+  app.add_option_function<std::string>(
+         name, [&words, &target](const std::string& word) { target = words.at(word); }, text)
       ->check(CLI::IsMember(words));
 }
 
 std::string scenario_help() {
   std::string text = "Scenarios:\n";
-  for (const Scenario& s : scenarios()) text += "  " + std::string(s.name) + std::string(16 - std::string(s.name).size(), ' ') + s.meaning + "\n";
+  for (const Scenario& s : scenarios())
+    text += "  " + std::string(s.name) + std::string(16 - std::string(s.name).size(), ' ') + s.meaning + "\n";
   return text + "\nFaults (--fault, repeatable):\n  " + kFaultGrammar + "\n";
 }
 
@@ -52,10 +55,15 @@ void add_drive(CLI::App& app, DriveSpec& d) {
   app.add_option("--seed", d.seed, "of world, motion and noise")->capture_default_str()->group("Drive");
   add_choice(app, "--world", kWorlds, d.world, "where to drive");
   add_choice(app, "--trajectory", kCourses, d.course.kind, "which way");
-  app.add_option("--duration", d.max_duration_s, "end after this many seconds (0 = when the course ends)")->check(CLI::NonNegativeNumber);
-  app.add_option("--length", d.course.length_m, "end the course after this many metres (0 = all of it)")->check(CLI::NonNegativeNumber);
-  app.add_option("--speed", d.course.speed_mps, "highest speed, m/s (0 = the world's limit)")->check(CLI::Range(0.0, 30.0));
-  app.add_option("--rest", d.course.rest_s, "standstill at the start, s")->check(CLI::NonNegativeNumber)->capture_default_str();
+  app.add_option("--duration", d.max_duration_s, "end after this many seconds (0 = when the course ends)")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--length", d.course.length_m, "end the course after this many metres (0 = all of it)")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--speed", d.course.speed_mps, "highest speed, m/s (0 = the world's limit)")
+      ->check(CLI::Range(0.0, 30.0));
+  app.add_option("--rest", d.course.rest_s, "standstill at the start, s")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app.add_flag("--moving-start", d.course.moving_start, "no standstill: begin at full speed");
   app.add_option("--crowd", d.crowd, "number of moving cars and pedestrians")->check(CLI::Range(0, 500));
   app.add_option("--threads", d.threads, "0 = one per core; the bytes do not depend on it")->check(CLI::Range(0, 64));
@@ -64,7 +72,8 @@ void add_drive(CLI::App& app, DriveSpec& d) {
          [&d](const std::vector<std::string>& texts) {
            for (const std::string& text : texts) {
              const auto parsed = parse_fault(text);
-             if (const auto* complaint = std::get_if<std::string>(&parsed)) throw CLI::ValidationError("--fault", *complaint);
+             if (const auto* complaint = std::get_if<std::string>(&parsed))
+               throw CLI::ValidationError("--fault", *complaint);
              d.faults.push_back(std::get<Fault>(parsed));
            }
          },
@@ -74,23 +83,38 @@ void add_drive(CLI::App& app, DriveSpec& d) {
 }
 
 void add_lidar(CLI::App& app, DriveSpec& d) {
-  app.add_flag_callback("--no-lidar", [&d] { d.with_lidar = false; }, "switched off");
-  app.add_option("--rpm", d.lidar.rpm, "revolutions per minute")->check(CLI::Range(300.0, 1200.0))->capture_default_str();
+  app.add_flag_callback(
+      "--no-lidar", [&d] { d.with_lidar = false; }, "switched off");
+  app.add_option("--rpm", d.lidar.rpm, "revolutions per minute")
+      ->check(CLI::Range(300.0, 1200.0))
+      ->capture_default_str();
   add_choice(app, "--returns", kReturns, d.lidar.mode, "which echoes (default: strongest)");
-  app.add_option("--range-noise", d.lidar.range_noise_m, "standard deviation, m")->check(CLI::Range(0.0, 1.0))->capture_default_str();
-  app.add_option("--laser-bias", d.lidar.laser_bias_m, "constant range error of each laser, standard deviation, m")->check(CLI::Range(0.0, 1.0));
+  app.add_option("--range-noise", d.lidar.range_noise_m, "standard deviation, m")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  app.add_option("--laser-bias", d.lidar.laser_bias_m, "constant range error of each laser, standard deviation, m")
+      ->check(CLI::Range(0.0, 1.0));
   app.add_flag("--mixed-pixels", d.lidar.mixed_pixels, "beams have a width and split at edges");
   app.add_option("--lidar-skew", d.lidar.clock_skew_ppm, "of its clock, ppm")->capture_default_str();
   app.add_flag("--lidar-pps", d.lidar.pps_locked, "its clock follows UTC; position packets carry $GPRMC");
 }
 
 void add_imu(CLI::App& app, DriveSpec& d) {
-  app.add_flag_callback("--no-imu", [&d] { d.with_imu = false; }, "switched off");
+  app.add_flag_callback(
+      "--no-imu", [&d] { d.with_imu = false; }, "switched off");
   app.add_option("--imu-rate", d.imu.rate_hz, "Hz")->check(CLI::Range(10.0, 2000.0))->capture_default_str();
-  app.add_option("--gyro-noise", d.imu.gyro_noise_mdps_rthz, "mdps/rtHz")->check(CLI::NonNegativeNumber)->capture_default_str();
-  app.add_option("--accel-noise", d.imu.accel_noise_ug_rthz, "ug/rtHz")->check(CLI::NonNegativeNumber)->capture_default_str();
-  app.add_option("--gyro-bias", d.imu.gyro_bias_dps, "turn-on, standard deviation, deg/s")->check(CLI::NonNegativeNumber)->capture_default_str();
-  app.add_option("--accel-bias", d.imu.accel_bias_mg, "turn-on, standard deviation, mg")->check(CLI::NonNegativeNumber)->capture_default_str();
+  app.add_option("--gyro-noise", d.imu.gyro_noise_mdps_rthz, "mdps/rtHz")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--accel-noise", d.imu.accel_noise_ug_rthz, "ug/rtHz")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--gyro-bias", d.imu.gyro_bias_dps, "turn-on, standard deviation, deg/s")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--accel-bias", d.imu.accel_bias_mg, "turn-on, standard deviation, mg")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app.add_option("--imu-skew", d.imu.clock_skew_ppm, "of its clock, ppm")->capture_default_str();
   app.add_option("--gravity", d.imu.gravity_mps2, "m/s^2")->check(CLI::Range(9.0, 10.5))->capture_default_str();
   app.add_flag("--ideal-imu", d.imu.ideal, "no noise and no bias (still quantised)");
@@ -106,7 +130,8 @@ std::string known_sentences(const std::string& list) {
 }
 
 void add_gps(CLI::App& app, DriveSpec& d) {
-  app.add_flag_callback("--no-gps", [&d] { d.with_gps = false; }, "switched off");
+  app.add_flag_callback(
+      "--no-gps", [&d] { d.with_gps = false; }, "switched off");
   app.add_option_function<std::array<double, 3>>(
       "--gps-origin",
       [&d](const std::array<double, 3>& place) {
@@ -115,11 +140,16 @@ void add_gps(CLI::App& app, DriveSpec& d) {
         d.gps.altitude_m = place[2];
       },
       "latitude, longitude (degrees) and ellipsoidal height (m) of the world's origin");
-  app.add_option("--geoid", d.gps.geoid_separation_m, "height of the geoid above the ellipsoid, m")->capture_default_str();
+  app.add_option("--geoid", d.gps.geoid_separation_m, "height of the geoid above the ellipsoid, m")
+      ->capture_default_str();
   app.add_option("--gps-rate", d.gps.rate_hz, "Hz")->check(CLI::Range(0.1, 20.0))->capture_default_str();
-  app.add_option("--gps-sigma", d.gps.correlated_m, "slow horizontal error, standard deviation, m")->check(CLI::NonNegativeNumber)->capture_default_str();
+  app.add_option("--gps-sigma", d.gps.correlated_m, "slow horizontal error, standard deviation, m")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app.add_option("--gps-latency", d.gps.latency_s, "s")->check(CLI::Range(0.0, 5.0))->capture_default_str();
-  app.add_option("--gps-sentences", d.gps.sentences, "of GGA RMC GSA GST VTG ZDA, separated by commas")->check(known_sentences)->capture_default_str();
+  app.add_option("--gps-sentences", d.gps.sentences, "of GGA RMC GSA GST VTG ZDA, separated by commas")
+      ->check(known_sentences)
+      ->capture_default_str();
   app.add_option("--utc-start", d.gps.utc_start_s, "UTC of the start, seconds since 1970")->capture_default_str();
 }
 
@@ -127,16 +157,23 @@ void add_output(CLI::App& app, Options& o) {
   auto* out = app.add_option("--out", o.out, "write this drive folder, as fast as possible");
   auto* live = app.add_flag("--live", o.live, "send in real time: UDP and pseudo terminals");
   out->excludes(live);
-  app.add_option("--host-start", o.host_start_s, "host time of the start in the drive folder, s")->check(CLI::NonNegativeNumber)->capture_default_str();
+  app.add_option("--host-start", o.host_start_s, "host time of the start in the drive folder, s")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app.add_flag("--quiet", o.quiet, "no progress");
   LiveOptions& l = o.live_options;
-  app.add_option("--udp-host", l.udp_host, "IPv4 address the LiDAR's packets go to")->needs(live)->capture_default_str();
+  app.add_option("--udp-host", l.udp_host, "IPv4 address the LiDAR's packets go to")
+      ->needs(live)
+      ->capture_default_str();
   app.add_option("--lidar-port", l.lidar_port, "of data packets")->needs(live)->capture_default_str();
   app.add_option("--position-port", l.position_port, "of position packets")->needs(live)->capture_default_str();
   app.add_option("--imu-pty", l.imu_pty, "symlink to make: the IMU's serial port")->needs(live);
   app.add_option("--gps-pty", l.gps_pty, "symlink to make: the receiver's serial port")->needs(live);
   app.add_option("--truth", l.truth, "write the exact poses there (TUM, CLOCK_MONOTONIC)")->needs(live);
-  app.add_option("--start-delay", l.start_delay_s, "between making the ports and the first byte, s")->needs(live)->check(CLI::Range(0.0, 60.0))->capture_default_str();
+  app.add_option("--start-delay", l.start_delay_s, "between making the ports and the first byte, s")
+      ->needs(live)
+      ->check(CLI::Range(0.0, 60.0))
+      ->capture_default_str();
 }
 
 /// Options added by `add` get the group's heading in --help.

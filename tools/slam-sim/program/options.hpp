@@ -12,9 +12,9 @@ struct LiveOptions {
   std::string udp_host = "127.0.0.1";
   std::uint16_t lidar_port = 2368;
   std::uint16_t position_port = 8308;
-  std::string imu_pty;   // symlinks to the slaves; empty = none
+  std::string imu_pty;  // symlinks to the slaves; empty = none
   std::string gps_pty;
-  std::string truth;     // TUM file; empty = none
+  std::string truth;  // TUM file; empty = none
   double start_delay_s = 1.0;
 };
 

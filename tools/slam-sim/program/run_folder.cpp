@@ -22,8 +22,8 @@ int run_folder(const Options& options) {
   }
   folder.write_vehicle(simulation.vehicle());
   folder.write_truth(simulation.trajectory(), simulation.time());
-  progress.finish(options.out + ": " + std::to_string(simulation.time()) + " s, " + std::to_string(events) + " packets and sentences" +
-                  (simulation.done() ? "" : " (interrupted)"));
+  progress.finish(options.out + ": " + std::to_string(simulation.time()) + " s, " + std::to_string(events) +
+                  " packets and sentences" + (simulation.done() ? "" : " (interrupted)"));
   return simulation.done() ? 0 : 130;
 }
 

@@ -47,10 +47,18 @@ class Cables {
   void send(const WireEvent& event) {
     bool sent = true;
     switch (event.channel) {
-      case Channel::kLidar: sent = udp_.send(options_.lidar_port, event.bytes); break;
-      case Channel::kPosition: sent = udp_.send(options_.position_port, event.bytes); break;
-      case Channel::kImu: sent = !imu_ || imu_->write(event.bytes); break;
-      case Channel::kGps: sent = !gps_ || gps_->write(event.bytes); break;
+      case Channel::kLidar:
+        sent = udp_.send(options_.lidar_port, event.bytes);
+        break;
+      case Channel::kPosition:
+        sent = udp_.send(options_.position_port, event.bytes);
+        break;
+      case Channel::kImu:
+        sent = !imu_ || imu_->write(event.bytes);
+        break;
+      case Channel::kGps:
+        sent = !gps_ || gps_->write(event.bytes);
+        break;
     }
     unread_ += sent ? 0 : 1;
   }
@@ -67,13 +75,16 @@ class Cables {
 class TruthFile {
  public:
   TruthFile(const std::string& path, const Trajectory& trajectory, std::int64_t start_ns)
-      : file_{path.empty() ? nullptr : std::fopen(path.c_str(), "w"), &std::fclose}, trajectory_{trajectory}, start_ns_{start_ns} {
+      : file_{path.empty() ? nullptr : std::fopen(path.c_str(), "w"), &std::fclose},
+        trajectory_{trajectory},
+        start_ns_{start_ns} {
     if (!path.empty() && !file_) throw std::runtime_error(path + ": " + std::strerror(errno));
   }
   void write_until(double t) {
     if (!file_) return;
     for (; static_cast<double>(count_) * 0.01 <= t + 1e-9; ++count_) {
-      write_tum_line(file_.get(), start_ns_ + count_ * 10'000'000, trajectory_.pose_at(static_cast<double>(count_) * 0.01));
+      write_tum_line(file_.get(), start_ns_ + count_ * 10'000'000,
+                     trajectory_.pose_at(static_cast<double>(count_) * 0.01));
     }
     std::fflush(file_.get());
   }

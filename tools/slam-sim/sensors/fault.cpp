@@ -57,7 +57,8 @@ const char* const kFaultGrammar =
     "SENSOR:KIND[=VALUE][@START[+DURATION]]   SENSOR: lidar imu gps   times in seconds from the start\n"
     "  off, gap         sends nothing                     stuck            repeats its last measurement\n"
     "  loss=P           loses each packet with chance P   corrupt=P        damages each byte with chance P\n"
-    "  late=S           arrives S seconds later           jump=M           gps only: M metres off, claiming a good fix\n"
+    "  late=S           arrives S seconds later           jump=M           gps only: M metres off, claiming a good "
+    "fix\n"
     "  clock-jump=MS    lidar, imu: clock set by MS ms    clock-skew=PPM   lidar, imu: clock runs PPM faster\n"
     "  e.g. lidar:loss=0.02  imu:gap@60+2  gps:jump=30@50+20  lidar:clock-jump=250@60";
 
@@ -74,8 +75,11 @@ std::variant<Fault, std::string> parse_fault(const std::string& text) {
   for (const KindRule& candidate : kKinds) {
     if (word && *word == candidate.word) rule = &candidate;
   }
-  if (rule == nullptr) return complain(text, word.value_or(""), "is no fault (off gap stuck loss corrupt late jump clock-jump clock-skew)");
-  if (rule->sensors.find(head.front()) == std::string_view::npos) return complain(text, *word, "does not exist for this sensor");
+  if (rule == nullptr)
+    return complain(text, word.value_or(""),
+                    "is no fault (off gap stuck loss corrupt late jump clock-jump clock-skew)");
+  if (rule->sensors.find(head.front()) == std::string_view::npos)
+    return complain(text, *word, "does not exist for this sensor");
   fault.kind = rule->kind;
   if (rule->needs_value != value.has_value()) {
     return complain(text, *word, rule->needs_value ? "needs a value (=...)" : "takes no value");

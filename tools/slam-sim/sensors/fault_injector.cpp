@@ -33,10 +33,16 @@ std::optional<WireEvent> FaultInjector::apply(WireEvent event) {
 bool FaultInjector::apply_one(const Fault& fault, WireEvent& event) {
   switch (fault.kind) {
     case FaultKind::kOff:
-    case FaultKind::kGap: return false;
-    case FaultKind::kLoss: return !rng_.chance(fault.value);
-    case FaultKind::kLate: event.arrival_ns += std::llround(fault.value * 1e9); return true;
-    case FaultKind::kStuck: repeat_last(event); return true;
+    case FaultKind::kGap:
+      return false;
+    case FaultKind::kLoss:
+      return !rng_.chance(fault.value);
+    case FaultKind::kLate:
+      event.arrival_ns += std::llround(fault.value * 1e9);
+      return true;
+    case FaultKind::kStuck:
+      repeat_last(event);
+      return true;
     case FaultKind::kCorrupt:
       for (std::uint8_t& byte : event.bytes) {
         if (rng_.chance(fault.value)) byte = static_cast<std::uint8_t>(byte ^ (1U << rng_.index(8)));
@@ -44,7 +50,8 @@ bool FaultInjector::apply_one(const Fault& fault, WireEvent& event) {
       return true;
     case FaultKind::kJump:
     case FaultKind::kClockJump:
-    case FaultKind::kClockSkew: return true;
+    case FaultKind::kClockSkew:
+      return true;
   }
   return true;
 }
@@ -59,7 +66,9 @@ void FaultInjector::repeat_last(WireEvent& event) {
     event.bytes = source.bytes;
     return;
   }
-  const auto packet = [](const WireEvent& e) { return std::span<const std::uint8_t>{e.bytes}.first(kImuFramePacketBytes); };
+  const auto packet = [](const WireEvent& e) {
+    return std::span<const std::uint8_t>{e.bytes}.first(kImuFramePacketBytes);
+  };
   const DecodedImuFrame old = decode_imu_packet(packet(source));
   DecodedImuFrame now = decode_imu_packet(packet(event));
   now.frame.gyro = old.frame.gyro;

@@ -11,7 +11,8 @@ namespace slamd::sim {
 
 class FaultInjector {
  public:
-  FaultInjector(std::vector<Fault> faults, std::uint64_t seed) : faults_{std::move(faults)}, rng_{seed, Stream::kFault} {}
+  FaultInjector(std::vector<Fault> faults, std::uint64_t seed)
+      : faults_{std::move(faults)}, rng_{seed, Stream::kFault} {}
 
   /// What becomes of an event; nothing when it is lost. Events of one channel come in order.
   std::optional<WireEvent> apply(WireEvent event);

@@ -16,7 +16,8 @@ Vector3d normal3(Rng& rng) {
 
 }  // namespace
 
-GpsSensor::GpsSensor(const GpsModel& model, const Trajectory& trajectory, const Vector3d& p_base_antenna, std::uint64_t seed)
+GpsSensor::GpsSensor(const GpsModel& model, const Trajectory& trajectory, const Vector3d& p_base_antenna,
+                     std::uint64_t seed)
     : model_{model},
       trajectory_{trajectory},
       p_base_antenna_{p_base_antenna},
@@ -39,8 +40,8 @@ Vector3d GpsSensor::error_at(double t) {
 NmeaFix GpsSensor::fix_at(double t) {
   const Motion motion = trajectory_.at(t);
   const Vector3d arm = motion.T_world_base.rotation * p_base_antenna_;
-  const Vector3d velocity = motion.velocity + motion.T_world_base.rotation * motion.rate.cross(p_base_antenna_) +
-                            0.05 * normal3(rng_);
+  const Vector3d velocity =
+      motion.velocity + motion.T_world_base.rotation * motion.rate.cross(p_base_antenna_) + 0.05 * normal3(rng_);
   const Vector3d place = motion.T_world_base.translation + arm + error_at(t);
   NmeaFix fix;
   double height = 0.0;

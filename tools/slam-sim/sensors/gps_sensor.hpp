@@ -16,8 +16,8 @@ struct GpsModel {
   double rate_hz = 1.0;
   double latitude_deg = 48.2653, longitude_deg = 11.6714, altitude_m = 527.8;  // of the world's origin, ellipsoidal
   double geoid_separation_m = 46.2;
-  double utc_start_s = 1780300800.0;     // 2026-06-01 08:00:00 UTC
-  double correlated_m = 0.9;             // horizontal standard deviation; vertical is 1.8 times that
+  double utc_start_s = 1780300800.0;  // 2026-06-01 08:00:00 UTC
+  double correlated_m = 0.9;          // horizontal standard deviation; vertical is 1.8 times that
   double correlation_s = 60.0;
   double white_m = 0.25;
   double latency_s = 0.120;
@@ -32,7 +32,8 @@ struct GpsDisturbance {
 
 class GpsSensor {
  public:
-  GpsSensor(const GpsModel& model, const Trajectory& trajectory, const Eigen::Vector3d& p_base_antenna, std::uint64_t seed);
+  GpsSensor(const GpsModel& model, const Trajectory& trajectory, const Eigen::Vector3d& p_base_antenna,
+            std::uint64_t seed);
 
   void disturb(const GpsDisturbance& what) { disturbances_.push_back(what); }
   /// One event per sentence of the next fix taken before `until`; empty when there is none.

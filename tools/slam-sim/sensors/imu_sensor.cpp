@@ -48,7 +48,11 @@ Inertial inertial_at(const Motion& motion, const Pose& T_base_imu, double gravit
 
 ImuSensor::ImuSensor(const ImuModel& model, const Trajectory& trajectory, const Pose& T_base_imu, SensorClock clock,
                      std::uint64_t seed)
-    : model_{model}, trajectory_{trajectory}, T_base_imu_{T_base_imu}, clock_{std::move(clock)}, rng_{seed, Stream::kImu} {
+    : model_{model},
+      trajectory_{trajectory},
+      T_base_imu_{T_base_imu},
+      clock_{std::move(clock)},
+      rng_{seed, Stream::kImu} {
   Rng unit{seed, Stream::kImuUnit};
   gyro_bias_ = normal3(unit) * (model.gyro_bias_dps * 1e3 * kRadPerMdps);
   accel_bias_ = normal3(unit) * (model.accel_bias_mg * kMps2PerMg);
@@ -57,7 +61,8 @@ ImuSensor::ImuSensor(const ImuModel& model, const Trajectory& trajectory, const 
 Inertial ImuSensor::low_passed(double t) const {
   Inertial mean{Vector3d::Zero(), Vector3d::Zero()};
   for (const double tap : kFilterTaps) {
-    const Inertial now = inertial_at(trajectory_.at(std::max(0.0, t + tap / model_.rate_hz)), T_base_imu_, model_.gravity_mps2);
+    const Inertial now =
+        inertial_at(trajectory_.at(std::max(0.0, t + tap / model_.rate_hz)), T_base_imu_, model_.gravity_mps2);
     mean.rate_rads += now.rate_rads / kFilterTaps.size();
     mean.specific_force_mps2 += now.specific_force_mps2 / kFilterTaps.size();
   }
@@ -71,7 +76,8 @@ Inertial ImuSensor::with_errors(Inertial truth) {
   gyro_bias_ += normal3(rng_) * (model_.gyro_walk_mdps_rts * kRadPerMdps * root_period);
   accel_bias_ += normal3(rng_) * (model_.accel_walk_ug_rts * 1e-3 * kMps2PerMg * root_period);
   truth.rate_rads += gyro_bias_ + normal3(rng_) * (model_.gyro_noise_mdps_rthz * kRadPerMdps * root_rate);
-  truth.specific_force_mps2 += accel_bias_ + normal3(rng_) * (model_.accel_noise_ug_rthz * 1e-3 * kMps2PerMg * root_rate);
+  truth.specific_force_mps2 +=
+      accel_bias_ + normal3(rng_) * (model_.accel_noise_ug_rthz * 1e-3 * kMps2PerMg * root_rate);
   return truth;
 }
 
@@ -91,7 +97,8 @@ std::optional<WireEvent> ImuSensor::next(double until) {
   frame.gyro = gyro.counts;
   frame.accel = accel.counts;
   const double temperature_c = 31.0 + 1.5 * (1.0 - std::exp(-t / 120.0));
-  frame.temperature = static_cast<std::int16_t>(std::lround((temperature_c - kImuTemperatureZeroC) * kImuTemperatureLsbPerC));
+  frame.temperature =
+      static_cast<std::int16_t>(std::lround((temperature_c - kImuTemperatureZeroC) * kImuTemperatureLsbPerC));
   ++count_;
   const auto bytes = encode(frame);
   const double delay = model_.latency_min_s + model_.latency_jitter_s * rng_.uniform();

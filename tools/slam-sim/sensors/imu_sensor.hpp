@@ -16,15 +16,15 @@ struct ImuModel {
   double rate_hz = 200.0;
   double gyro_noise_mdps_rthz = 3.8;
   double accel_noise_ug_rthz = 70.0;
-  double gyro_bias_dps = 0.3;           // turn-on, standard deviation per axis
+  double gyro_bias_dps = 0.3;  // turn-on, standard deviation per axis
   double accel_bias_mg = 8.0;
-  double gyro_walk_mdps_rts = 1.0;      // random walk of the bias, mdps per root second
+  double gyro_walk_mdps_rts = 1.0;  // random walk of the bias, mdps per root second
   double accel_walk_ug_rts = 20.0;
   double clock_skew_ppm = 25.0;
-  double latency_min_s = 0.0003;        // read-out and USB
-  double latency_jitter_s = 0.0017;     // uniform, on top
+  double latency_min_s = 0.0003;     // read-out and USB
+  double latency_jitter_s = 0.0017;  // uniform, on top
   double gravity_mps2 = 9.80665;
-  bool ideal = false;                   // no noise, no bias
+  bool ideal = false;  // no noise, no bias
 };
 
 /// In the IMU's axes at its own place.
@@ -38,7 +38,8 @@ Inertial inertial_at(const Motion& motion, const Pose& T_base_imu, double gravit
 
 class ImuSensor {
  public:
-  ImuSensor(const ImuModel& model, const Trajectory& trajectory, const Pose& T_base_imu, SensorClock clock, std::uint64_t seed);
+  ImuSensor(const ImuModel& model, const Trajectory& trajectory, const Pose& T_base_imu, SensorClock clock,
+            std::uint64_t seed);
 
   /// The next frame taken before `until` (seconds); frames come in order.
   std::optional<WireEvent> next(double until);

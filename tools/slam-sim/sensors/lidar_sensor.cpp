@@ -16,14 +16,15 @@ constexpr std::size_t kPacketBytes = 1206;
 
 /// User manual, table of vertical angles (degrees) and vertical corrections (millimetres) by laser.
 constexpr std::array<double, kLasers> kElevationDeg{-15, 1, -13, 3, -11, 5, -9, 7, -7, 9, -5, 11, -3, 13, -1, 15};
-constexpr std::array<double, kLasers> kOffsetMm{11.2, -0.7, 9.7, -2.2, 8.1, -3.7, 6.6, -5.1, 5.1, -6.6, 3.7, -8.1, 2.2, -9.7, 0.7, -11.2};
+constexpr std::array<double, kLasers> kOffsetMm{11.2, -0.7, 9.7, -2.2, 8.1, -3.7, 6.6, -5.1,
+                                                5.1,  -6.6, 3.7, -8.1, 2.2, -9.7, 0.7, -11.2};
 
 void store(std::vector<std::uint8_t>& bytes, std::size_t at, std::uint32_t value, int count) {
   for (int i = 0; i < count; ++i) bytes[at + static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(value >> (8 * i));
 }
 
-/// Probability that the receiver sees the echo: power falls with the square of range and with reflectivity and incidence.
-/// Rough surfaces return more than Lambert's law at grazing angles, hence the root of the cosine.
+/// Probability that the receiver sees the echo: power falls with the square of range and with reflectivity and
+/// incidence. Rough surfaces return more than Lambert's law at grazing angles, hence the root of the cosine.
 double detection(double range, double reflectivity, double cosine) {
   const double reach = 100.0 * std::sqrt(reflectivity * std::sqrt(cosine) / 0.2);
   const double fade = 1.0 / (1.0 + std::exp((range - reach) / (0.06 * reach + 0.1)));
@@ -38,8 +39,12 @@ LidarSensor::LidarSensor(const LidarModel& model, const Surroundings& around, Se
   for (double& bias : laser_bias_m_) bias = model.laser_bias_m * unit.normal();
 }
 
-double LidarSensor::packet_period() const { return (dual() ? 12 : 24) * kSequence / clock_.rate(); }
-double LidarSensor::packet_time(std::int64_t index) const { return static_cast<double>(index) * packet_period(); }
+double LidarSensor::packet_period() const {
+  return (dual() ? 12 : 24) * kSequence / clock_.rate();
+}
+double LidarSensor::packet_time(std::int64_t index) const {
+  return static_cast<double>(index) * packet_period();
+}
 
 Hit LidarSensor::cast(const Ray& ray, double t, const std::vector<MovingBody>& movers, double movers_time) const {
   Hit hit = around_.world.cast(ray);
@@ -58,13 +63,16 @@ LidarSensor::Return LidarSensor::sense(const Hit& hit, const Ray& ray, int laser
   const double cosine = porous ? 0.6 : std::clamp(std::abs(hit.normal.dot(ray.direction)), 1e-3, 1.0);
   const double reflectivity = static_cast<double>(hit.material.reflectivity);
   if (seen > detection(hit.range, reflectivity, cosine)) return {};
-  const double footprint = std::min(0.08, 0.13 * model_.divergence_rad * hit.range * std::sqrt(1 - cosine * cosine) / cosine);
+  const double footprint =
+      std::min(0.08, 0.13 * model_.divergence_rad * hit.range * std::sqrt(1 - cosine * cosine) / cosine);
   const double sigma = model_.range_noise_m > 0.0 ? std::hypot(model_.range_noise_m, footprint) : 0.0;
   const double range = hit.range + laser_bias_m_[static_cast<std::size_t>(laser)] + sigma * noise;
-  const double brightness = reflectivity > 1.0 ? 100.0 + 50.0 * reflectivity * cosine : 100.0 * reflectivity * std::sqrt(cosine);
+  const double brightness =
+      reflectivity > 1.0 ? 100.0 + 50.0 * reflectivity * cosine : 100.0 * reflectivity * std::sqrt(cosine);
   const double counts = std::round(range / 0.002);
   if (counts < 1.0 || counts > 65535.0) return {};
-  return {static_cast<std::uint16_t>(counts), static_cast<std::uint8_t>(std::clamp(brightness + 2.0 * sparkle, 1.0, 255.0))};
+  return {static_cast<std::uint16_t>(counts),
+          static_cast<std::uint8_t>(std::clamp(brightness + 2.0 * sparkle, 1.0, 255.0))};
 }
 
 /// A beam that falls half on one body and half on another behind it.
@@ -83,12 +91,14 @@ LidarSensor::Echoes LidarSensor::split(const Hit& centre, const Hit& side, const
   return {second, first.intensity >= second.intensity ? first : second};
 }
 
-LidarSensor::Echoes LidarSensor::fire(const Aim& aim, const std::vector<MovingBody>& movers, double movers_time, Rng& rng) const {
+LidarSensor::Echoes LidarSensor::fire(const Aim& aim, const std::vector<MovingBody>& movers, double movers_time,
+                                      Rng& rng) const {
   const auto laser = static_cast<std::size_t>(aim.laser);
   const Pose T_world_lidar = around_.trajectory.pose_at(aim.t) * around_.geometry.T_base_lidar;
   const auto direction = [&](double azimuth) {
     const double elevation = kElevationDeg[laser] * kDeg;
-    return Vector3d(std::cos(elevation) * std::cos(azimuth), -std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+    return Vector3d(std::cos(elevation) * std::cos(azimuth), -std::cos(elevation) * std::sin(azimuth),
+                    std::sin(elevation));
   };
   const Vector3d origin = T_world_lidar * Vector3d(0.0, 0.0, kOffsetMm[laser] * 1e-3);
   Ray ray{origin, T_world_lidar.rotation * direction(aim.azimuth_rad), kMaxRange};
@@ -121,7 +131,8 @@ WireEvent LidarSensor::packet(std::int64_t index) const {
     }
     for (int channel = 0; channel < 2 * kLasers; ++channel) {
       const double t = block_time + channel / kLasers * sequence + channel % kLasers * laser_step;
-      const Echoes echoes = fire({t, std::fmod(turn_rate * t, 2 * std::numbers::pi), channel % kLasers}, movers, begin, rng);
+      const Echoes echoes =
+          fire({t, std::fmod(turn_rate * t, 2 * std::numbers::pi), channel % kLasers}, movers, begin, rng);
       const auto put = [&](std::size_t slot, const Return& found) {
         store(event.bytes, slot, found.distance_2mm, 2);
         event.bytes[slot + 2] = found.intensity;

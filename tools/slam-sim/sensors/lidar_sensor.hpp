@@ -1,6 +1,6 @@
 #pragma once
-// A VLP-16 in a world: data packets by index, every firing cast from the sensor's pose at its own time. Nothing is sent.
-// Sources: VLP-16 User Manual 63-9243 Rev. E, chapters 6 and 9, and its data sheet (63-9229).
+// A VLP-16 in a world: data packets by index, every firing cast from the sensor's pose at its own time. Nothing is
+// sent. Sources: VLP-16 User Manual 63-9243 Rev. E, chapters 6 and 9, and its data sheet (63-9229).
 
 #include "tools/slam-sim/motion/traffic.hpp"
 #include "tools/slam-sim/sensors/sensor_clock.hpp"
@@ -14,12 +14,12 @@ enum class ReturnMode : std::uint8_t { kStrongest = 0x37, kLast = 0x38, kDual = 
 struct LidarModel {
   double rpm = 600.0;
   ReturnMode mode = ReturnMode::kStrongest;
-  double range_noise_m = 0.02;      // standard deviation at right angles (data sheet: +-3 cm typical)
-  double laser_bias_m = 0.0;        // standard deviation of a constant range error of each laser
-  double divergence_rad = 0.003;    // full angle of a beam
-  bool mixed_pixels = false;        // beams split at edges: blended ranges and, in dual mode, both returns
+  double range_noise_m = 0.02;    // standard deviation at right angles (data sheet: +-3 cm typical)
+  double laser_bias_m = 0.0;      // standard deviation of a constant range error of each laser
+  double divergence_rad = 0.003;  // full angle of a beam
+  bool mixed_pixels = false;      // beams split at edges: blended ranges and, in dual mode, both returns
   double clock_skew_ppm = 12.0;
-  bool pps_locked = false;          // stamps are UTC past the hour; position packets carry $GPRMC
+  bool pps_locked = false;  // stamps are UTC past the hour; position packets carry $GPRMC
   double latency_min_s = 0.00003;
   double latency_jitter_s = 0.00035;
 };

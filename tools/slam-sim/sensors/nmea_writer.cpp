@@ -34,12 +34,17 @@ Civil civil(double utc_s) {
   const auto day = floor<days>(at);
   const year_month_day date{day};
   const hh_mm_ss time{at - day};
-  return {static_cast<int>(date.year()), static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
-          static_cast<int>(time.hours().count()), static_cast<int>(time.minutes().count()),
+  return {static_cast<int>(date.year()),
+          static_cast<unsigned>(date.month()),
+          static_cast<unsigned>(date.day()),
+          static_cast<int>(time.hours().count()),
+          static_cast<int>(time.minutes().count()),
           static_cast<double>(time.seconds().count()) + static_cast<double>(time.subseconds().count()) * 1e-3};
 }
 
-std::string clock_text(const Civil& t) { return print("%02d%02d%05.2f", t.hour, t.minute, t.second); }
+std::string clock_text(const Civil& t) {
+  return print("%02d%02d%05.2f", t.hour, t.minute, t.second);
+}
 
 /// ddmm.mmmmm,N with a width of degrees; rounding never shows 60 minutes.
 std::string angle(double degrees, int width, char positive, char negative) {
@@ -67,7 +72,9 @@ const Writer* writer_of(std::string_view kind) {
 
 }  // namespace
 
-bool is_sentence(const std::string& kind) { return writer_of(kind) != nullptr; }
+bool is_sentence(const std::string& kind) {
+  return writer_of(kind) != nullptr;
+}
 
 std::string sentence(const std::string& kind, const NmeaFix& fix) {
   const Writer* writer = writer_of(kind);
@@ -93,7 +100,8 @@ std::string rmc(const NmeaFix& fix) {
   if (fix.quality == 0) return framed("GPRMC," + clock_text(t) + ",V,,,,,,," + date + ",,,N");
   const double knots = fix.speed_mps / 0.514444;
   const std::string course = fix.speed_mps > 0.5 ? print("%.2f", fix.course_deg) : "";  // receivers name none at rest
-  return framed("GPRMC," + clock_text(t) + ",A," + position(fix) + print(",%.3f,", knots) + course + "," + date + ",,,A");
+  return framed("GPRMC," + clock_text(t) + ",A," + position(fix) + print(",%.3f,", knots) + course + "," + date +
+                ",,,A");
 }
 
 std::string gsa(const NmeaFix& fix) {

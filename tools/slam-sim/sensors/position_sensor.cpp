@@ -11,11 +11,13 @@ constexpr double kPeriod = 0.018577;
 
 }  // namespace
 
-PositionSensor::PositionSensor(const LidarModel& lidar, const GpsModel& gps, const Trajectory& trajectory, SensorClock clock,
-                               std::uint64_t seed)
+PositionSensor::PositionSensor(const LidarModel& lidar, const GpsModel& gps, const Trajectory& trajectory,
+                               SensorClock clock, std::uint64_t seed)
     : lidar_{lidar}, gps_{gps}, trajectory_{trajectory}, clock_{std::move(clock)}, seed_{seed} {}
 
-double PositionSensor::packet_time(std::int64_t index) const { return (static_cast<double>(index) + 0.5) * kPeriod; }
+double PositionSensor::packet_time(std::int64_t index) const {
+  return (static_cast<double>(index) + 0.5) * kPeriod;
+}
 
 WireEvent PositionSensor::packet(std::int64_t index) const {
   const double t = packet_time(index);
@@ -33,11 +35,13 @@ WireEvent PositionSensor::packet(std::int64_t index) const {
     local.Reverse(p.x(), p.y(), p.z(), fix.latitude_deg, fix.longitude_deg, fix.altitude_msl_m);
     fix.utc_s = gps_.utc_start_s + second;
     fix.speed_mps = motion.velocity.head<2>().norm();
-    fix.course_deg = std::fmod(std::atan2(motion.velocity.x(), motion.velocity.y()) * 180.0 / std::numbers::pi + 360.0, 360.0);
+    fix.course_deg =
+        std::fmod(std::atan2(motion.velocity.x(), motion.velocity.y()) * 180.0 / std::numbers::pi + 360.0, 360.0);
     const std::string text = rmc(fix);
     std::copy(text.begin(), text.end(), event.bytes.begin() + kNmeaAt);
   }
-  event.arrival_ns = event.taken_ns + std::llround((lidar_.latency_min_s + lidar_.latency_jitter_s * rng.uniform()) * 1e9);
+  event.arrival_ns =
+      event.taken_ns + std::llround((lidar_.latency_min_s + lidar_.latency_jitter_s * rng.uniform()) * 1e9);
   return event;
 }
 

@@ -8,7 +8,8 @@ namespace slamd::sim {
 
 class PositionSensor {
  public:
-  PositionSensor(const LidarModel& lidar, const GpsModel& gps, const Trajectory& trajectory, SensorClock clock, std::uint64_t seed);
+  PositionSensor(const LidarModel& lidar, const GpsModel& gps, const Trajectory& trajectory, SensorClock clock,
+                 std::uint64_t seed);
 
   /// True time of packet `index`, seconds; one every 18.577 ms.
   double packet_time(std::int64_t index) const;

@@ -15,10 +15,14 @@ constexpr double kSlice = 0.5;
 
 Path path_of(const World& world, CourseKind kind) {
   switch (kind) {
-    case CourseKind::kFigureEight: return Path{world.figure_eight};
-    case CourseKind::kLineAndBack: return Path{world.line};
-    case CourseKind::kTwoLaps: return Path{world.short_loop, 2};
-    default: return Path{world.loop};
+    case CourseKind::kFigureEight:
+      return Path{world.figure_eight};
+    case CourseKind::kLineAndBack:
+      return Path{world.line};
+    case CourseKind::kTwoLaps:
+      return Path{world.short_loop, 2};
+    default:
+      return Path{world.loop};
   }
 }
 
@@ -45,7 +49,8 @@ TrajectoryPlan plan_of(const DriveSpec& spec, const World& world, const Path& pa
   plan.speed.speed_at_start_mps = course.moving_start ? plan.speed.limits.speed_mps : 0.0;
   const double length = course.length_m > 0.0 ? std::min(course.length_m, path.length()) : path.length();
   plan.speed.legs = legs_of(course, length);
-  if (course.kind == CourseKind::kStandstill) plan.speed.rest_at_start_s = spec.max_duration_s > 0.0 ? spec.max_duration_s : 60.0;
+  if (course.kind == CourseKind::kStandstill)
+    plan.speed.rest_at_start_s = spec.max_duration_s > 0.0 ? spec.max_duration_s : 60.0;
   return plan;
 }
 
@@ -88,7 +93,8 @@ void in_parallel(int threads, std::size_t count, const Job& job) {
 
 VehicleGeometry reference_vehicle() {
   VehicleGeometry vehicle;
-  vehicle.T_base_lidar = {Eigen::Quaterniond(0.995396198367, 0.0, 0.095845752520, 0.0).normalized(), {0.45, 0.02, 1.86}};
+  vehicle.T_base_lidar = {Eigen::Quaterniond(0.995396198367, 0.0, 0.095845752520, 0.0).normalized(),
+                          {0.45, 0.02, 1.86}};
   vehicle.T_base_imu = {Eigen::Quaterniond(0.699404695268, 0.019093388559, 0.003285447570, 0.714463239491).normalized(),
                         {0.12, -0.08, 1.52}};
   vehicle.p_base_antenna = {-0.60, 0.35, 1.74};
@@ -143,14 +149,16 @@ std::vector<WireEvent> Simulation::Parts::take_lidar(double until) {
   std::int64_t end = lidar_packets;
   while (lidar.packet_time(end) < until && lidar.packet_time(end + 1) < duration()) ++end;
   std::vector<WireEvent> events(static_cast<std::size_t>(end - lidar_packets));
-  in_parallel(spec.threads, events.size(), [&](std::size_t i) { events[i] = lidar.packet(lidar_packets + static_cast<std::int64_t>(i)); });
+  in_parallel(spec.threads, events.size(),
+              [&](std::size_t i) { events[i] = lidar.packet(lidar_packets + static_cast<std::int64_t>(i)); });
   lidar_packets = end;
   return events;
 }
 
 std::vector<WireEvent> Simulation::Parts::take_position(double until) {
   std::vector<WireEvent> events;
-  for (; position.packet_time(position_packets) < until; ++position_packets) events.push_back(position.packet(position_packets));
+  for (; position.packet_time(position_packets) < until; ++position_packets)
+    events.push_back(position.packet(position_packets));
   return events;
 }
 
@@ -167,8 +175,10 @@ void Simulation::Parts::admit(std::vector<WireEvent> events) {
 }
 
 std::vector<WireEvent> Simulation::Parts::release(std::int64_t until_ns) {
-  std::stable_sort(pending.begin(), pending.end(), [](const auto& a, const auto& b) { return a.arrival_ns < b.arrival_ns; });
-  const auto end = std::partition_point(pending.begin(), pending.end(), [&](const auto& e) { return e.arrival_ns < until_ns; });
+  std::stable_sort(pending.begin(), pending.end(),
+                   [](const auto& a, const auto& b) { return a.arrival_ns < b.arrival_ns; });
+  const auto end =
+      std::partition_point(pending.begin(), pending.end(), [&](const auto& e) { return e.arrival_ns < until_ns; });
   std::vector<WireEvent> out(std::make_move_iterator(pending.begin()), std::make_move_iterator(end));
   pending.erase(pending.begin(), end);
   return out;
@@ -197,11 +207,23 @@ std::vector<WireEvent> Simulation::next_slice() {
   return p.release(done() ? std::numeric_limits<std::int64_t>::max() : std::llround(p.time * 1e9));
 }
 
-bool Simulation::done() const { return parts_->time >= parts_->duration(); }
-double Simulation::time() const { return parts_->time; }
-double Simulation::duration() const { return parts_->duration(); }
-const Trajectory& Simulation::trajectory() const { return parts_->trajectory; }
-const World& Simulation::world() const { return parts_->world; }
-const VehicleGeometry& Simulation::vehicle() const { return parts_->vehicle; }
+bool Simulation::done() const {
+  return parts_->time >= parts_->duration();
+}
+double Simulation::time() const {
+  return parts_->time;
+}
+double Simulation::duration() const {
+  return parts_->duration();
+}
+const Trajectory& Simulation::trajectory() const {
+  return parts_->trajectory;
+}
+const World& Simulation::world() const {
+  return parts_->world;
+}
+const VehicleGeometry& Simulation::vehicle() const {
+  return parts_->vehicle;
+}
 
 }  // namespace slamd::sim

@@ -1,6 +1,6 @@
 #pragma once
-// A whole drive: world, motion, sensors and faults from one specification, handed out as wire events in order of arrival.
-// It knows no clock and no output: the same specification gives the same bytes, live or to a folder.
+// A whole drive: world, motion, sensors and faults from one specification, handed out as wire events in order of
+// arrival. It knows no clock and no output: the same specification gives the same bytes, live or to a folder.
 
 #include <memory>
 #include <span>
@@ -17,9 +17,9 @@ enum class CourseKind { kLoop, kTwoLaps, kFigureEight, kLineAndBack, kStandstill
 struct CourseSpec {
   CourseKind kind = CourseKind::kLoop;
   bool moving_start = false;
-  double speed_mps = 0.0;   // 0 = the world's limit
-  double rest_s = 2.0;      // at the start
-  double length_m = 0.0;    // 0 = the whole course; else it ends there
+  double speed_mps = 0.0;  // 0 = the world's limit
+  double rest_s = 2.0;     // at the start
+  double length_m = 0.0;   // 0 = the whole course; else it ends there
   double slalom_m = 0.0;
   double stop_every_m = 300.0;
   Wobble wobble;

@@ -19,7 +19,8 @@ class Bvh {
  private:
   struct Node {
     Eigen::AlignedBox3d box;
-    std::uint32_t first = 0;  // of its bodies (leaf) or index of the right child (inner; the left child follows the node)
+    std::uint32_t first =
+        0;  // of its bodies (leaf) or index of the right child (inner; the left child follows the node)
     std::uint32_t count = 0;  // 0 = inner
   };
 

@@ -39,7 +39,8 @@ Streets make_streets(const Warp& warp) {
           warped(rounded({{kWidth / 2, 0}, {kWidth / 2, kDepth}}, false, 1.0, 2.0), warp)};
 }
 
-/// Clockwise round the eastern block, anticlockwise round the western one; the middle street is driven twice northwards.
+/// Clockwise round the eastern block, anticlockwise round the western one; the middle street is driven twice
+/// northwards.
 Polyline eight_corners() {
   const double m = kWidth / 2;
   return {{m, 0}, {m, kDepth}, {kWidth, kDepth}, {kWidth, 0}, {m, 0}, {m, kDepth}, {0, kDepth}, {0, 0}};
@@ -69,15 +70,18 @@ void furnish_street(SceneBuilder& scene, const Streets& streets, const Polyline&
   const auto free = [&](const Vector2d& p, double clearance) { return streets.distance(p) > clearance; };
   for (const double side : {-1.0, 1.0}) {
     for (const RoadPlace& place : places_along(street, closed, 4.0, side * (kHalfRoad + 0.1))) {
-      if (free(place.point, kHalfRoad)) scene.add_block(place.point, place.yaw, {2.1, 0.08, 0.06}, materials::kConcrete);
+      if (free(place.point, kHalfRoad))
+        scene.add_block(place.point, place.yaw, {2.1, 0.08, 0.06}, materials::kConcrete);
     }
     for (const RoadPlace& place : places_along(street, closed, 6.5, side * (kHalfRoad + 1.4))) {
-      if (rng.chance(0.28) && free(place.point, kHalfRoad + 1.2)) scene.add_car(place.point, place.yaw + rng.uniform(-0.05, 0.05));
+      if (rng.chance(0.28) && free(place.point, kHalfRoad + 1.2))
+        scene.add_car(place.point, place.yaw + rng.uniform(-0.05, 0.05));
     }
     for (const RoadPlace& place : places_along(street, closed, 27.0, side * (kHalfRoad + 2.9))) {
       if (free(place.point, kHalfRoad + 2.0)) scene.add_pole(place.point, place.yaw, rng.chance(0.35));
     }
-    for (const RoadPlace& place : places_along(street, closed, 13.0, side * (kHalfRoad + 5.0 + rng.uniform(0.0, 2.0)))) {
+    for (const RoadPlace& place :
+         places_along(street, closed, 13.0, side * (kHalfRoad + 5.0 + rng.uniform(0.0, 2.0)))) {
       if (rng.chance(0.6) && free(place.point, kHalfRoad + 3.5)) scene.add_tree(place.point);
     }
     for (const RoadPlace& place : places_along(street, closed, 24.0, side * (kHalfRoad + 9.0))) {
@@ -113,7 +117,8 @@ World make_campus(std::uint64_t seed) {
   furnish_street(scene, streets, streets.middle, false);
   plant_lawn(scene, streets, 120);
   const Polyline eight = warped(rounded(eight_corners(), true, 14.0, 2.0), warp);
-  const Polyline block = warped(rounded({{80, 0}, {kWidth / 2, 0}, {kWidth / 2, kDepth}, {0, kDepth}, {0, 0}}, true, 14.0, 2.0), warp);
+  const Polyline block =
+      warped(rounded({{80, 0}, {kWidth / 2, 0}, {kWidth / 2, kDepth}, {0, kDepth}, {0, 0}}, true, 14.0, 2.0), warp);
   const Polyline line(streets.outer.begin(), streets.outer.begin() + 60);
   return {.ground = std::move(ground),
           .bodies = Bvh{scene.take()},

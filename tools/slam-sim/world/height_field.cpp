@@ -8,8 +8,8 @@ namespace {
 
 constexpr int kBlock = 16;
 
-/// Calls visit(ix, iy, enter, leave) for the cells of a grid along the ray from t0 to t1; stops when visit returns true.
-/// Source: Amanatides and Woo 1987.
+/// Calls visit(ix, iy, enter, leave) for the cells of a grid along the ray from t0 to t1; stops when visit returns
+/// true. Source: Amanatides and Woo 1987.
 template <class Visit>
 bool walk_grid(const Ray& ray, const Eigen::Vector2d& low, double cell, double t0, double t1, const Visit& visit) {
   int index[2], step[2];

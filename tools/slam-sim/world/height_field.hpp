@@ -33,8 +33,8 @@ class HeightField {
 
   Eigen::Vector2d low_;
   double cell_m_;
-  int nx_, ny_;                 // cells
-  int block_nx_, block_ny_;     // blocks of kBlock x kBlock cells
+  int nx_, ny_;              // cells
+  int block_nx_, block_ny_;  // blocks of kBlock x kBlock cells
   std::vector<double> heights_;
   std::vector<double> block_top_;
   std::vector<Material> materials_;

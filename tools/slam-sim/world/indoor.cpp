@@ -34,7 +34,9 @@ HeightField flat_ground(const Vector2d& low, const Vector2d& high, Material mate
   return ground;
 }
 
-Polyline straight(const Vector2d& from, const Vector2d& to) { return rounded({from, to}, false, 1.0, 2.0); }
+Polyline straight(const Vector2d& from, const Vector2d& to) {
+  return rounded({from, to}, false, 1.0, 2.0);
+}
 
 }  // namespace
 
@@ -83,7 +85,9 @@ World make_parking(std::uint64_t seed) {
     }
   }
   const Route loop{lane, true};
-  const Route eight{rounded({{39, 0}, {39, 46.8}, {78, 46.8}, {78, 0}, {39, 0}, {39, 46.8}, {0, 46.8}, {0, 0}}, true, 5.0, 1.0), true};
+  const Route eight{
+      rounded({{39, 0}, {39, 46.8}, {78, 46.8}, {78, 0}, {39, 0}, {39, 46.8}, {0, 46.8}, {0, 0}}, true, 5.0, 1.0),
+      true};
   const Route line{straight({4.0, 0.0}, {74.0, 0.0}), false};
   return {.ground = std::move(ground),
           .bodies = Bvh{scene.take()},

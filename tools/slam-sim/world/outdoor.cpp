@@ -13,11 +13,13 @@ using Eigen::Vector2d;
 
 Polyline eight_through_middle(double width, double depth, double radius) {
   const double m = width / 2;
-  return rounded({{m, 0}, {m, depth}, {width, depth}, {width, 0}, {m, 0}, {m, depth}, {0, depth}, {0, 0}}, true, radius, 2.0);
+  return rounded({{m, 0}, {m, depth}, {width, depth}, {width, 0}, {m, 0}, {m, depth}, {0, depth}, {0, 0}}, true, radius,
+                 2.0);
 }
 
 /// Houses wall to wall along both sides of a street, with a gap where another street opens.
-void line_with_houses(SceneBuilder& scene, const Polyline& street, const std::function<double(const Vector2d&)>& to_street) {
+void line_with_houses(SceneBuilder& scene, const Polyline& street,
+                      const std::function<double(const Vector2d&)>& to_street) {
   Rng& rng = scene.rng();
   constexpr double kFront = 9.5, kDepth = 6.0;
   for (const double side : {-1.0, 1.0}) {
@@ -40,7 +42,8 @@ void furnish(SceneBuilder& scene, const Polyline& street, const std::function<do
       if (to_street(place.point) > 6.0) scene.add_pole(place.point, place.yaw, rng.chance(0.4));
     }
     for (const RoadPlace& place : places_along(street, true, 4.0, side * 6.1)) {
-      if (to_street(place.point) > 5.5) scene.add_block(place.point, place.yaw, {2.0, 0.08, 0.07}, materials::kConcrete);
+      if (to_street(place.point) > 5.5)
+        scene.add_block(place.point, place.yaw, {2.0, 0.08, 0.07}, materials::kConcrete);
     }
   }
 }
@@ -50,10 +53,14 @@ void furnish(SceneBuilder& scene, const Polyline& street, const std::function<do
 World make_urban(std::uint64_t seed) {
   constexpr double kWidth = 240.0, kDepth = 130.0, kMargin = 90.0;
   Rng rng{seed, Stream::kWorld, 1};
-  const Polyline outer = rounded({{kWidth / 2, 0}, {kWidth, 0}, {kWidth, kDepth}, {0, kDepth}, {0, 0}}, true, 10.0, 2.0);
+  const Polyline outer =
+      rounded({{kWidth / 2, 0}, {kWidth, 0}, {kWidth, kDepth}, {0, kDepth}, {0, 0}}, true, 10.0, 2.0);
   const Polyline middle = rounded({{kWidth / 2, 0}, {kWidth / 2, kDepth}}, false, 1.0, 2.0);
-  const auto to_street = [&](const Vector2d& p) { return std::min(distance_to(outer, true, p), distance_to(middle, false, p)); };
-  HeightField ground({-kMargin, -kMargin}, {kWidth + kMargin, kDepth + kMargin}, 1.0, rolling_hills(rng, 0.5, 90.0, 300.0));
+  const auto to_street = [&](const Vector2d& p) {
+    return std::min(distance_to(outer, true, p), distance_to(middle, false, p));
+  };
+  HeightField ground({-kMargin, -kMargin}, {kWidth + kMargin, kDepth + kMargin}, 1.0,
+                     rolling_hills(rng, 0.5, 90.0, 300.0));
   ground.paint(materials::kPavement, [](double, double) { return true; });
   ground.paint(materials::kAsphalt, [&](double x, double y) { return to_street({x, y}) < 6.0; });
   SceneBuilder scene{ground, seed};
@@ -73,8 +80,10 @@ World make_urban(std::uint64_t seed) {
 World make_open_field(std::uint64_t seed) {
   constexpr double kWidth = 260.0, kDepth = 140.0, kMargin = 160.0;
   Rng rng{seed, Stream::kWorld, 1};
-  const Polyline track = rounded({{kWidth / 2, 0}, {kWidth, 15}, {kWidth - 20, kDepth}, {10, kDepth - 20}, {0, 10}}, true, 25.0, 2.0);
-  HeightField ground({-kMargin, -kMargin}, {kWidth + kMargin, kDepth + kMargin}, 1.0, rolling_hills(rng, 1.3, 45.0, 200.0));
+  const Polyline track =
+      rounded({{kWidth / 2, 0}, {kWidth, 15}, {kWidth - 20, kDepth}, {10, kDepth - 20}, {0, 10}}, true, 25.0, 2.0);
+  HeightField ground({-kMargin, -kMargin}, {kWidth + kMargin, kDepth + kMargin}, 1.0,
+                     rolling_hills(rng, 1.3, 45.0, 200.0));
   ground.paint(materials::kAsphalt, [&](double x, double y) { return distance_to(track, true, {x, y}) < 2.5; });
   SceneBuilder scene{ground, seed};
   for (int i = 0; i < 60; ++i) {

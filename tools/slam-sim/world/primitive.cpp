@@ -105,7 +105,8 @@ Chord cone_chord(const Vector3d& o, const Vector3d& d, const Vector3d& half) {
     const Vector3d p = origin + t * d;
     return Vector3d(p.x(), p.y(), -k * k * p.z()).normalized();
   };
-  // A steep ray (a < 0) is inside outside the roots: downwards it enters at the high root, upwards it leaves at the low.
+  // A steep ray (a < 0) is inside outside the roots: downwards it enters at the high root, upwards it leaves at the
+  // low.
   Interval side{roots->low, roots->high, normal_at(roots->low)};
   if (a < 0.0 && d.z() < 0.0) side = {roots->high, 1e300, normal_at(roots->high)};
   if (a < 0.0 && d.z() > 0.0) side = {-1e300, roots->low, Vector3d::UnitZ()};
@@ -116,10 +117,14 @@ Chord cone_chord(const Vector3d& o, const Vector3d& d, const Vector3d& half) {
 
 Chord chord_of(const Primitive& body, const Vector3d& o, const Vector3d& d) {
   switch (body.shape) {
-    case Shape::kBox: return box_chord(o, d, body.half);
-    case Shape::kCylinder: return cylinder_chord(o, d, body.half);
-    case Shape::kEllipsoid: return ellipsoid_chord(o, d, body.half);
-    case Shape::kCone: return cone_chord(o, d, body.half);
+    case Shape::kBox:
+      return box_chord(o, d, body.half);
+    case Shape::kCylinder:
+      return cylinder_chord(o, d, body.half);
+    case Shape::kEllipsoid:
+      return ellipsoid_chord(o, d, body.half);
+    case Shape::kCone:
+      return cone_chord(o, d, body.half);
   }
   return std::nullopt;
 }
@@ -127,9 +132,9 @@ Chord chord_of(const Primitive& body, const Vector3d& o, const Vector3d& d) {
 }  // namespace
 
 Eigen::AlignedBox3d Primitive::bounds() const {
-  const Vector3d reach = R_world_body.cwiseAbs() * (shape == Shape::kBox || shape == Shape::kEllipsoid
-                                                        ? half
-                                                        : Vector3d(half.x(), half.x(), half.z()));
+  const Vector3d reach =
+      R_world_body.cwiseAbs() *
+      (shape == Shape::kBox || shape == Shape::kEllipsoid ? half : Vector3d(half.x(), half.x(), half.z()));
   return {centre - reach, centre + reach};
 }
 

@@ -14,9 +14,9 @@ struct Material {
 };
 
 namespace materials {
-inline constexpr Material kAsphalt{0.17F}, kPavement{0.35F}, kGrass{0.25F}, kPlaster{0.65F}, kBrick{0.40F}, kGlass{0.08F},
-    kConcrete{0.45F}, kRoof{0.25F}, kBark{0.30F}, kFoliage{0.45F, 0.30F}, kHedge{0.40F, 0.08F}, kMetal{0.30F}, kCarPaint{0.40F},
-    kClothes{0.35F}, kSign{3.0F}, kWhiteWall{0.75F};
+inline constexpr Material kAsphalt{0.17F}, kPavement{0.35F}, kGrass{0.25F}, kPlaster{0.65F}, kBrick{0.40F},
+    kGlass{0.08F}, kConcrete{0.45F}, kRoof{0.25F}, kBark{0.30F}, kFoliage{0.45F, 0.30F}, kHedge{0.40F, 0.08F},
+    kMetal{0.30F}, kCarPaint{0.40F}, kClothes{0.35F}, kSign{3.0F}, kWhiteWall{0.75F};
 }  // namespace materials
 
 /// World frame, metres; direction is unit.
@@ -26,7 +26,7 @@ struct Ray {
 
   Eigen::Vector3d origin;
   Eigen::Vector3d direction;
-  Eigen::Vector3d inverse;    // 1 / direction, infinities allowed
+  Eigen::Vector3d inverse;  // 1 / direction, infinities allowed
   double max_range;
   double porosity_draw = 0.0;  // exponential variate: how many mean depths the beam enters porous bodies
 };

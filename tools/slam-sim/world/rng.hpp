@@ -1,5 +1,6 @@
 #pragma once
-// Seeded random numbers addressed by (seed, stream, counter), so that results do not depend on threads. Not for secrets.
+// Seeded random numbers addressed by (seed, stream, counter), so that results do not depend on threads. Not for
+// secrets.
 
 #include <cmath>
 #include <cstdint>
@@ -8,7 +9,18 @@
 namespace slamd::sim {
 
 /// One independent stream per purpose: adding a draw to one never shifts another.
-enum class Stream : std::uint64_t { kWorld = 1, kMotion, kTraffic, kLidar, kLidarUnit, kPosition, kImu, kImuUnit, kGps, kFault };
+enum class Stream : std::uint64_t {
+  kWorld = 1,
+  kMotion,
+  kTraffic,
+  kLidar,
+  kLidarUnit,
+  kPosition,
+  kImu,
+  kImuUnit,
+  kGps,
+  kFault
+};
 
 /// SplitMix64 (Steele et al. 2014) keyed by a hash of its address: a few ns a draw, cheap to construct per packet.
 class Rng {

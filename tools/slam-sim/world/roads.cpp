@@ -8,7 +8,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-Vector2d left_of(const Vector2d& direction) { return {-direction.y(), direction.x()}; }
+Vector2d left_of(const Vector2d& direction) {
+  return {-direction.y(), direction.x()};
+}
 
 /// Evenly spaced points of a polyline; the last one of an open line is kept.
 Polyline resampled(const Polyline& line, bool closed, double step_m) {

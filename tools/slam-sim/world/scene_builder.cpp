@@ -13,7 +13,9 @@ using Eigen::Vector3d;
 constexpr double kFloorHeight = 3.2;
 constexpr double kFoundation = 3.0;  // bodies reach this far into the ground, so that slopes show no gap
 
-Vector3d at_height(const Vector2d& p, double z) { return {p.x(), p.y(), z}; }
+Vector3d at_height(const Vector2d& p, double z) {
+  return {p.x(), p.y(), z};
+}
 
 }  // namespace
 
@@ -56,7 +58,8 @@ void SceneBuilder::add_facade(const BuildingPlan& plan, double base, int side) {
   }
   const int floors = static_cast<int>(plan.height_m / kFloorHeight);
   for (int floor = 1; floor <= floors; ++floor) {
-    bodies_.push_back(make_box(place(0.0, 0.0, base + floor * kFloorHeight), {length / 2, relief * 0.6, 0.12}, yaw, plan.wall));
+    bodies_.push_back(
+        make_box(place(0.0, 0.0, base + floor * kFloorHeight), {length / 2, relief * 0.6, 0.12}, yaw, plan.wall));
   }
   for (int floor = 0; floor < std::min(floors, 3); ++floor) {
     for (int i = 0; i < bays; ++i) {
@@ -69,10 +72,10 @@ void SceneBuilder::add_facade(const BuildingPlan& plan, double base, int side) {
 
 void SceneBuilder::add_roof(const BuildingPlan& plan, double top) {
   if (plan.height_m > 12.0 || rng_.chance(0.4)) {  // flat, with a parapet's worth of overhang and a technical box
-    bodies_.push_back(make_box(at_height(plan.centre, top + 0.2), {plan.half.x() + 0.4, plan.half.y() + 0.4, 0.2}, plan.yaw,
-                               materials::kRoof));
-    bodies_.push_back(make_box(at_height(plan.centre, top + 1.2), {plan.half.x() * 0.3, plan.half.y() * 0.3, 1.0}, plan.yaw,
-                               materials::kMetal));
+    bodies_.push_back(make_box(at_height(plan.centre, top + 0.2), {plan.half.x() + 0.4, plan.half.y() + 0.4, 0.2},
+                               plan.yaw, materials::kRoof));
+    bodies_.push_back(make_box(at_height(plan.centre, top + 1.2), {plan.half.x() * 0.3, plan.half.y() * 0.3, 1.0},
+                               plan.yaw, materials::kMetal));
     return;
   }
   const double tilt = rng_.uniform(0.4, 0.7);
@@ -94,18 +97,19 @@ void SceneBuilder::add_tree(const Vector2d& at) {
   const bool conifer = rng_.chance(0.3);
   const double crown_half = conifer ? rng_.uniform(2.0, 4.0) : crown * rng_.uniform(0.8, 1.3);
   const double trunk_half = (trunk + crown_half) / 2;
-  bodies_.push_back(make_upright(Shape::kCylinder, at_height(at, base + trunk_half - 0.2), {radius, radius, trunk_half + 0.2},
-                                 materials::kBark));
+  bodies_.push_back(make_upright(Shape::kCylinder, at_height(at, base + trunk_half - 0.2),
+                                 {radius, radius, trunk_half + 0.2}, materials::kBark));
   const double crown_base = conifer ? 0.6 * trunk : trunk;
-  bodies_.push_back(make_upright(conifer ? Shape::kCone : Shape::kEllipsoid, at_height(at, base + crown_base + crown_half),
-                                 {crown, crown, crown_half}, materials::kFoliage));
+  bodies_.push_back(make_upright(conifer ? Shape::kCone : Shape::kEllipsoid,
+                                 at_height(at, base + crown_base + crown_half), {crown, crown, crown_half},
+                                 materials::kFoliage));
 }
 
 void SceneBuilder::add_pole(const Vector2d& at, double yaw, bool sign) {
   const double base = ground_at(at);
   const double height = sign ? 2.6 : rng_.uniform(5.0, 7.0);
-  bodies_.push_back(make_upright(Shape::kCylinder, at_height(at, base + height / 2), {sign ? 0.04 : 0.09, 0.09, height / 2},
-                                 materials::kMetal));
+  bodies_.push_back(make_upright(Shape::kCylinder, at_height(at, base + height / 2),
+                                 {sign ? 0.04 : 0.09, 0.09, height / 2}, materials::kMetal));
   const Material head = sign ? materials::kSign : materials::kMetal;
   const Vector3d half = sign ? Vector3d(0.02, 0.35, 0.35) : Vector3d(0.5, 0.12, 0.08);
   bodies_.push_back(make_box(at_height(at, base + height), half, yaw, head));
