@@ -27,7 +27,7 @@ bool ScanAssembler::add(const LidarPacket& packet) {
   if (is_open_) {
     turned_cdeg_ += turn_between(last_azimuth_cdeg_, packet.azimuth_begin_cdeg);
     const Duration gap = packet.time - open_.end;
-    if (gap > config_.max_packet_gap || gap < Duration::zero()) open_.complete = false;
+    if (gap > config_.max_packet_gap || gap < -config_.max_packet_gap) open_.complete = false;
     const bool too_long = packet.time - open_.begin > config_.max_scan_length || gap < -config_.max_scan_length;
     // A packet spans some 5 degrees: the cut is at the packet whose begin is nearest to a whole turn.
     const std::int32_t half_packet_cdeg = turn_between(packet.azimuth_begin_cdeg, packet.azimuth_end_cdeg) / 2;
