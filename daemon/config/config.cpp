@@ -9,6 +9,25 @@ void append(ConfigFaults& faults, ConfigFaults more) {
   for (std::string& fault : more) faults.push_back(std::move(fault));
 }
 
+/// What only two keys together can get wrong.
+ConfigFaults contradictions(const std::string& name, const Config& c) {
+  ConfigFaults faults;
+  const auto demand = [&](bool holds, const char* key, const char* reason) {
+    if (!holds) faults.push_back(name + ":0: " + key + ": " + reason);
+  };
+  demand(c.vlp16.min_range_m < c.vlp16.max_range_m, "lidar.min_range_m", "must be below lidar.max_range_m");
+  demand(c.lidar.port != c.lidar.position_port, "lidar.position_port", "must differ from lidar.port");
+  demand(c.nmea.noise.sigma_min_m <= c.nmea.noise.sigma_max_m, "gnss.sigma_min_m", "must not exceed gnss.sigma_max_m");
+  demand(c.imu.serial.path != c.gnss.serial.path || c.imu.serial.path.empty(), "gnss.device",
+         "must differ from imu.device");
+  const SegmenterConfig& segments = c.odometry.scan.segmenter;
+  demand(segments.min_range_m < segments.max_range_m, "odometry.scan.min_range_m",
+         "must be below odometry.scan.max_range_m");
+  demand(c.odometry.usable_sigma_m <= c.odometry.lost_sigma_m, "odometry.usable_sigma_m",
+         "must not exceed odometry.lost_sigma_m");
+  return faults;
+}
+
 }  // namespace
 
 Loaded<Config> load_config(const std::string& path, const std::vector<std::string>& overrides) {
@@ -16,6 +35,7 @@ Loaded<Config> load_config(const std::string& path, const std::vector<std::strin
   const std::vector<Field> fields = config_fields(loaded.value);
   if (!path.empty()) append(loaded.faults, read_yaml_file(path, fields));
   for (const std::string& assignment : overrides) append(loaded.faults, read_override(assignment, fields));
+  if (loaded.faults.empty()) loaded.faults = contradictions(path.empty() ? "(configuration)" : path, loaded.value);
   return loaded;
 }
 

@@ -6,7 +6,18 @@
 
 #include "daemon/config/field.hpp"
 #include "daemon/config/yaml_fields.hpp"
+#include "daemon/server/server.hpp"
+#include "daemon/store/map_store.hpp"
+#include "daemon/threads/estimator_thread.hpp"
+#include "daemon/threads/gnss_thread.hpp"
+#include "daemon/threads/imu_thread.hpp"
+#include "daemon/threads/lidar_thread.hpp"
+#include "daemon/threads/log.hpp"
 #include "daemon/threads/real_time.hpp"
+#include "drivers/gnss/nmea_parser.hpp"
+#include "drivers/imu/imu_frame_parser.hpp"
+#include "drivers/velodyne/vlp16_decoder.hpp"
+#include "estimator/odometry/lidar_inertial_odometry.hpp"
 #include "estimator/types/pose.hpp"
 
 namespace slamd {
@@ -16,7 +27,18 @@ VehicleGeometry reference_vehicle();
 
 struct Config {
   VehicleGeometry vehicle = reference_vehicle();
+  LidarThreadConfig lidar;
+  Vlp16Config vlp16;
+  ImuThreadConfig imu;
+  ImuFrameParser::Config imu_frames = ImuFrameParser::Config::defaults();
+  GnssThreadConfig gnss;
+  NmeaParser::Config nmea = NmeaParser::Config::defaults();
+  OdometryConfig odometry;
+  EstimatorThreadConfig estimator;
+  MapStoreConfig map;
+  ServerConfig server;
   RealTimeConfig real_time;
+  LogConfig log;
 };
 
 /// Every key of slamd.yaml, bound to the members of `config`, which must outlive the table.

@@ -1,17 +1,121 @@
-// The tables of keys: one line says the key, where it lives, its unit, its range and its meaning.
+// The tables of keys: one line says the key, where it lives, its unit, its range and its meaning. Those of the
+// estimator are in odometry_fields.cpp.
 
 #include "daemon/config/config.hpp"
+#include "daemon/config/odometry_fields.hpp"
 
 namespace slamd {
 namespace {
 
+constexpr FieldRange kPort{1, 65535};
 constexpr FieldRange kPriority{0, 99};
 constexpr FieldRange kCpu{-1, 1023};
+constexpr FieldRange kLatency{0, 0.5};
 
 using Fields = std::vector<Field>;
 
 void append(Fields& fields, Fields more) {
   fields.insert(fields.end(), more.begin(), more.end());
+}
+
+Fields lidar_fields(LidarThreadConfig& t, Vlp16Config& d) {
+  return {
+      {"lidar.bind_address", &t.bind_address, "", kSomeText, "own IPv4 address to listen on; 0.0.0.0 = all"},
+      {"lidar.port", &t.port, "", kPort, "UDP port of the data packets"},
+      {"lidar.position_port", &t.position_port, "", kPort, "UDP port of the position packets"},
+      {"lidar.source_address", &t.source_address, "", kAnyText, "take packets of this sensor only; empty = of any"},
+      {"lidar.receive_buffer_bytes",
+       &t.receive_buffer_bytes,
+       "B",
+       {65536, 1 << 28},
+       "asked of the kernel for each port"},
+      {"lidar.latency_s", &d.clock.min_latency, "s", kLatency,
+       "smallest delay from a packet's last firing to its arrival"},
+      {"lidar.min_range_m", &d.min_range_m, "m", {0, 100}, "nearer returns are dropped"},
+      {"lidar.max_range_m", &d.max_range_m, "m", {1, 131}, "farther returns are dropped"},
+  };
+}
+
+Fields imu_fields(ImuThreadConfig& t, ImuFrameParser::Config& d) {
+  return {
+      {"imu.device", &t.serial.path, "", kAnyText, "tty or pty of the IMU; empty = there is none"},
+      {"imu.baud_rate", &t.serial.baud, "Bd", {1200, 4'000'000}, "ignored by USB"},
+      {"imu.silence_s", &t.silence, "s", {0.005, 1}, "without samples for so long the pose is carried on without them"},
+      {"imu.latency_s", &d.clock.min_latency, "s", kLatency, "smallest delay from the measurement to its arrival"},
+  };
+}
+
+Fields gnss_fields(GnssThreadConfig& t, NmeaParser::Config& d) {
+  constexpr FieldRange kSigma{0.01, 100};
+  return {
+      {"gnss.device", &t.serial.path, "", kAnyText, "tty or pty of the GPS receiver; empty = there is none"},
+      {"gnss.baud_rate", &t.serial.baud, "Bd", {1200, 4'000'000}, "ignored by USB"},
+      {"gnss.latency_s", &d.clock.min_latency, "s", kLatency,
+       "UTC of a fix to the arrival of its first byte, at least"},
+      {"gnss.sigma_min_m", &d.noise.sigma_min_m, "m", kSigma, "of a strong fix"},
+      {"gnss.sigma_max_m", &d.noise.sigma_max_m, "m", kSigma, "of a weak fix"},
+      {"gnss.range_error_m", &d.noise.range_error_m, "m", kSigma, "sigma per unit of HDOP"},
+      {"gnss.vertical_factor", &d.noise.vertical_factor, "", {1, 10}, "height against horizontal"},
+  };
+}
+
+Fields server_fields(ServerConfig& c) {
+  return {
+      {"server.socket", &c.socket_path, "", {1, 107}, "path of the Unix socket for clients"},
+      {"server.save_dir", &c.save_dir, "", kSomeText, "folder that save_map writes into"},
+      {"server.max_clients", &c.limits.max_clients, "", {1, 4096}, "more are refused"},
+      {"server.max_request_bytes",
+       &c.limits.max_request_bytes,
+       "B",
+       {1024, 1 << 24},
+       "sender of a longer line is dropped"},
+      {"server.max_requests_per_s", &c.limits.max_requests_per_s, "1/s", {1, 1e6}, "of one client; more have to wait"},
+      {"server.max_outbound_bytes",
+       &c.limits.max_outbound_bytes,
+       "B",
+       {4096, 1 << 28},
+       "waiting for one client; then its notifications are lost"},
+      {"server.stall_timeout_s",
+       &c.limits.stall_timeout_s,
+       "s",
+       {0.1, 3600},
+       "a client that takes nothing for so long is dropped"},
+      {"server.max_jobs", &c.limits.max_jobs, "", {1, 1000}, "maps and files being made or waiting for it"},
+  };
+}
+
+Fields map_fields(MapStoreConfig& c) {
+  return {
+      {"map.voxel_size_m", &c.voxel_size_m, "m", {0.01, 10}, "finest detail that is kept of each keyframe"},
+      {"map.byte_budget",
+       &c.byte_budget,
+       "B",
+       {1 << 20, 1e12},
+       "of all points; beyond it the oldest keyframes lose theirs"},
+  };
+}
+
+Fields estimator_thread_fields(EstimatorThreadConfig& c) {
+  return {
+      {"estimator.hold_back_s",
+       &c.merge.hold_back,
+       "s",
+       {0, 0.1},
+       "an event waits so long for an earlier one of another sensor"},
+      {"estimator.silence_s", &c.merge.silence, "s", {0.01, 1}, "after so long without events deadlines are checked"},
+      {"estimator.poll_period_s", &c.poll_period, "s", {1e-4, 0.02}, "between two looks at empty rings"},
+  };
+}
+
+Fields log_fields(LogConfig& c) {
+  return {
+      {"log.queue_lines", &c.queue_lines, "", {16, 1e6}, "waiting to be written; beyond it the oldest are lost"},
+      {"log.repeat_period_s",
+       &c.repeat_period,
+       "s",
+       {0, 3600},
+       "a subject that changes more often is told so often only"},
+  };
 }
 
 Fields real_time_fields(RealTimeConfig& c) {
@@ -45,7 +149,15 @@ Fields vehicle_fields(VehicleGeometry& v, const std::string& prefix) {
 
 Fields config_fields(Config& c) {
   Fields fields = vehicle_fields(c.vehicle, "vehicle.");
+  append(fields, lidar_fields(c.lidar, c.vlp16));
+  append(fields, imu_fields(c.imu, c.imu_frames));
+  append(fields, gnss_fields(c.gnss, c.nmea));
+  append(fields, odometry_fields(c.odometry));
+  append(fields, estimator_thread_fields(c.estimator));
+  append(fields, map_fields(c.map));
+  append(fields, server_fields(c.server));
   append(fields, real_time_fields(c.real_time));
+  append(fields, log_fields(c.log));
   return fields;
 }
 

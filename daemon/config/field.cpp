@@ -136,7 +136,7 @@ struct Formatter {
   }
   std::string operator()(const float* slot) const { return number_text(*slot); }
   std::string operator()(const double* slot) const { return number_text(*slot); }
-  std::string operator()(const Duration* slot) const { return number_text(to_seconds(*slot)); }
+  std::string operator()(const Duration* slot) const { return number_text(static_cast<double>(slot->count()) / 1e9); }
   std::string operator()(const std::string* slot) const { return quoted(*slot); }
   std::string operator()(const Eigen::Vector3d* slot) const {
     return "[" + number_text(slot->x()) + ", " + number_text(slot->y()) + ", " + number_text(slot->z()) + "]";

@@ -1,0 +1,166 @@
+// The estimator's table of keys: one line says the key, where it lives, its unit, its range and its meaning.
+
+#include "daemon/config/odometry_fields.hpp"
+
+namespace slamd {
+namespace {
+
+using Fields = std::vector<Field>;
+
+constexpr FieldRange kCount{1, 1e6};
+constexpr FieldRange kShare{0, 1};
+constexpr FieldRange kSigma{1e-6, 100};
+constexpr FieldRange kSeconds{1e-3, 60};
+constexpr FieldRange kMetres{1e-3, 1e4};
+
+void append(Fields& fields, Fields more) {
+  fields.insert(fields.end(), more.begin(), more.end());
+}
+
+Fields facade_fields(OdometryConfig& c) {
+  return {
+      {"odometry.imu_deadline_s", &c.imu_deadline_s, "s", {0, 1}, "a scan waits so long for the IMU to cover it"},
+      {"odometry.imu_timeout_s", &c.imu_timeout_s, "s", kSeconds, "no sample for so long: DEGRADED no_imu"},
+      {"odometry.lidar_timeout_s", &c.lidar_timeout_s, "s", kSeconds, "no scan for so long: DEGRADED no_lidar"},
+      {"odometry.usable_sigma_m", &c.usable_sigma_m, "m", kMetres, "position sigma beyond which the pose is DEGRADED"},
+      {"odometry.lost_sigma_m", &c.lost_sigma_m, "m", kMetres, "position sigma beyond which the pose is LOST"},
+      {"odometry.max_unfused_scans", &c.max_unfused_scans, "", kCount, "in a row; then a new local map is begun"},
+      {"odometry.moving_start_scans", &c.moving_start_scans, "", kCount,
+       "until velocity is known after a moving start"},
+      {"odometry.keyframe_distance_m", &c.keyframe_distance_m, "m", kMetres, "travel between two keyframes"},
+      {"odometry.keyframe_angle_rad", &c.keyframe_angle_rad, "rad", {0.01, 3.14}, "rotation between two keyframes"},
+  };
+}
+
+Fields initialisation_fields(InitialisationConfig& c) {
+  return {
+      {"odometry.start.rest_s", &c.rest_s, "s", kSeconds, "of stillness make a start at rest"},
+      {"odometry.start.min_s", &c.min_s, "s", kSeconds, "of any motion make a start while moving"},
+      {"odometry.start.still_gyro_std_rads", &c.still_gyro_std_rads, "rad/s", kSigma,
+       "stillness: deviation of every axis"},
+      {"odometry.start.still_gyro_mean_rads", &c.still_gyro_mean_rads, "rad/s", kSigma,
+       "stillness: mean of every axis"},
+      {"odometry.start.still_accel_std_mps2", &c.still_accel_std_mps2, "m/s^2", kSigma,
+       "stillness: deviation of every axis"},
+      {"odometry.start.rest_velocity_mps", &c.rest_velocity_mps, "m/s", kSigma, "first sigma of velocity at rest"},
+      {"odometry.start.moving_velocity_mps", &c.moving_velocity_mps, "m/s", kSigma, "likewise moving"},
+      {"odometry.start.rest_gyro_bias_rads", &c.rest_gyro_bias_rads, "rad/s", kSigma,
+       "first sigma of the gyro bias at rest"},
+      {"odometry.start.moving_gyro_bias_rads", &c.moving_gyro_bias_rads, "rad/s", kSigma, "likewise moving"},
+      {"odometry.start.accel_bias_mps2", &c.accel_bias_mps2, "m/s^2", kSigma, "first sigma of the accelerometer bias"},
+      {"odometry.start.rest_accel_noise_mps2", &c.rest_accel_noise_mps2, "m/s^2", kSigma,
+       "of the window's mean at rest"},
+      {"odometry.start.moving_accel_noise_mps2", &c.moving_accel_noise_mps2, "m/s^2", kSigma,
+       "true acceleration taken for gravity"},
+      {"odometry.start.extrinsic_rotation_rad", &c.extrinsic_rotation_rad, "rad", kSigma,
+       "first sigma, when estimated"},
+      {"odometry.start.extrinsic_translation_m", &c.extrinsic_translation_m, "m", kSigma, "likewise"},
+  };
+}
+
+Fields scan_fields(ScanAssemblerConfig& c) {
+  SegmenterConfig& s = c.segmenter;
+  return {
+      {"odometry.scan.max_packet_gap_s", &c.max_packet_gap, "s", kSeconds,
+       "more between two packets: the scan is incomplete"},
+      {"odometry.scan.max_scan_length_s", &c.max_scan_length, "s", kSeconds, "a scan that lasts longer is cut"},
+      {"odometry.scan.max_points", &c.max_points, "", {1000, 1e6}, "of one scan; more are dropped and counted"},
+      {"odometry.scan.max_segments", &c.max_segments, "", {1000, 16'384}, "of one scan"},
+      {"odometry.scan.segment_max_length_m", &s.max_length_m, "m", kMetres, "chord of a segment"},
+      {"odometry.scan.segment_max_step_m", &s.max_step_m, "m", kMetres,
+       "between neighbouring returns of a segment, at least"},
+      {"odometry.scan.segment_max_step_per_range", &s.max_step_per_range, "", kShare,
+       "likewise, in proportion to range"},
+      {"odometry.scan.min_range_m", &s.min_range_m, "m", {0, 100}, "nearer returns are the vehicle itself"},
+      {"odometry.scan.max_range_m", &s.max_range_m, "m", {1, 200}, "farther returns are not used"},
+  };
+}
+
+Fields dead_reckoning_fields(DeadReckoningConfig& c) {
+  ImuNoise& n = c.imu_noise;
+  return {
+      {"odometry.imu.gyro_noise_rads_rthz", &n.gyro_noise_rads_rthz, "rad/s/rtHz", kSigma, "white noise density"},
+      {"odometry.imu.accel_noise_mps2_rthz", &n.accel_noise_mps2_rthz, "m/s^2/rtHz", kSigma, "white noise density"},
+      {"odometry.imu.gyro_bias_walk_rads2_rthz", &n.gyro_bias_walk_rads2_rthz, "rad/s^2/rtHz", kSigma, "random walk"},
+      {"odometry.imu.accel_bias_walk_mps3_rthz", &n.accel_bias_walk_mps3_rthz, "m/s^3/rtHz", kSigma, "random walk"},
+      {"odometry.imu.gap_s", &c.imu_gap_s, "s", kSeconds,
+       "more between two samples: the constant-velocity model fills in"},
+      {"odometry.imu.coast_accel_mps2_rthz", &c.coast_accel_mps2_rthz, "m/s^2/rtHz", kSigma, "constant-velocity model"},
+      {"odometry.imu.coast_gyro_rads_rthz", &c.coast_gyro_rads_rthz, "rad/s/rtHz", kSigma, "constant-velocity model"},
+      {"odometry.imu.clipped_accel_mps2_rthz", &c.clipped_accel_mps2_rthz, "m/s^2/rtHz", kSigma,
+       "while a sample is clipped"},
+      {"odometry.imu.clipped_gyro_rads_rthz", &c.clipped_gyro_rads_rthz, "rad/s/rtHz", kSigma,
+       "while a sample is clipped"},
+  };
+}
+
+Fields map_fields(PlaneMapConfig& c) {
+  return {
+      {"odometry.map.voxel_size_m", &c.voxel_size_m, "m", {0.05, 5}, "edge of a voxel of the local map"},
+      {"odometry.map.max_voxels", &c.max_voxels, "", {1000, 1e7}, "bounds the memory; the farthest are forgotten"},
+      {"odometry.map.max_distance_m",
+       &c.max_distance_m,
+       "m",
+       {50, 1e4},
+       "half the cube that is kept around the vehicle"},
+      {"odometry.map.neighbour_radius_m", &c.neighbour_radius_m, "m", {0.1, 10}, "no plane reaches further"},
+      {"odometry.map.max_neighbours", &c.max_neighbours, "", {3, 32}, "voxels that make a plane"},
+      {"odometry.map.max_voxel_weight", &c.max_voxel_weight, "", kCount,
+       "points that a voxel takes before it is frozen"},
+      {"odometry.map.min_plane_points", &c.min_plane_points, "", {3, 1000}, "fewer make no plane"},
+      {"odometry.map.max_plane_thickness_m", &c.max_plane_thickness_m, "m", kMetres,
+       "RMS distance of the points from their plane"},
+      {"odometry.map.min_plane_extent_m", &c.min_plane_extent_m, "m", kMetres, "RMS extent along the narrower side"},
+  };
+}
+
+Fields registration_fields(ScanRegistrationConfig& c) {
+  PointToPlaneConfig& p = c.point_to_plane;
+  IeskfConfig& u = c.update;
+  return {
+      {"odometry.update.max_points", &c.max_points, "", {100, 16'384}, "segments that take part in one update"},
+      {"odometry.update.range_sigma_m", &p.range_sigma_m, "m", kSigma, "of one return"},
+      {"odometry.update.floor_sigma_m", &p.floor_sigma_m, "m", kSigma, "of a residual: what averaging cannot remove"},
+      {"odometry.update.robust_scale", &p.robust_scale, "", kSigma, "sigmas at which a residual's weight is one half"},
+      {"odometry.update.gate_sigmas", &p.gate_sigmas, "", kSigma, "residuals beyond are not used"},
+      {"odometry.update.max_residual_m", &p.max_residual_m, "m", kMetres, "likewise in any case"},
+      {"odometry.update.max_iterations", &u.max_iterations, "", {1, 50}, "of one scan"},
+      {"odometry.update.converged_translation_m", &u.converged_translation_m, "m", kSigma,
+       "smaller steps end the iteration"},
+      {"odometry.update.converged_rotation_rad", &u.converged_rotation_rad, "rad", kSigma, "likewise"},
+      {"odometry.update.associate_again_m", &u.associate_again_m, "m", kSigma,
+       "points that moved further are associated anew"},
+      {"odometry.update.min_inliers", &u.min_inliers, "", kCount, "fewer: the scan is not fused"},
+      {"odometry.update.min_inlier_share", &u.min_inlier_share, "", kShare, "of the points with a plane; likewise"},
+      {"odometry.update.information_scale",
+       &u.information_scale,
+       "",
+       {1e-4, 1},
+       "share of residuals that are independent"},
+      {"odometry.update.degenerate_noise_ratio",
+       &u.degenerate_noise_ratio,
+       "",
+       {0, 1e6},
+       "information over what noisy normals fake, at least"},
+      {"odometry.update.degenerate_share", &u.degenerate_share, "", kShare, "of all residuals' information, at least"},
+      {"odometry.update.estimate_extrinsic",
+       &u.estimate_extrinsic,
+       "",
+       {},
+       "refine the LiDAR's place relative to the IMU"},
+  };
+}
+
+}  // namespace
+
+Fields odometry_fields(OdometryConfig& c) {
+  Fields fields = facade_fields(c);
+  append(fields, initialisation_fields(c.initialisation));
+  append(fields, scan_fields(c.scan));
+  append(fields, dead_reckoning_fields(c.dead_reckoning));
+  append(fields, map_fields(c.registration.map));
+  append(fields, registration_fields(c.registration));
+  return fields;
+}
+
+}  // namespace slamd
