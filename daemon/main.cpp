@@ -1,15 +1,20 @@
 // slamd: reads the command line, loads the configuration and starts the app. Nothing else happens here.
 
+#include <systemd/sd-daemon.h>
+
 #include <CLI/CLI.hpp>
+#include <csignal>
+#include <ctime>
 #include <iostream>
 #include <string>
 #include <vector>
 
-#include "daemon/config/config.hpp"
+#include "daemon/app.hpp"
 
 namespace {
 
-constexpr int kExitConfig = 2;  // bad command line or configuration
+constexpr int kExitFailure = 1;  // the start failed, or a thread ended by itself
+constexpr int kExitConfig = 2;   // bad command line or configuration
 
 struct Arguments {
   std::string config_path;
@@ -17,6 +22,34 @@ struct Arguments {
   bool check = false;
   bool print_config = false;
 };
+
+/// The signals that end the daemon, blocked in every thread and waited for in this one.
+sigset_t block_stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+  return signals;
+}
+
+int run(const slamd::Config& config) {
+  const sigset_t stop_signals = block_stop_signals();
+  slamd::Result<std::unique_ptr<slamd::App>> app = slamd::App::open(config, SLAMD_VERSION);
+  const slamd::Result<void> started = app ? (*app)->start() : slamd::Error{app.reason()};
+  if (!started) {
+    std::cerr << "slamd: cannot start: " << started.reason() << '\n';
+    return kExitFailure;
+  }
+  sd_notify(0, "READY=1");
+  constexpr timespec kLookPeriod{0, 100'000'000};
+  bool healthy = true;
+  while (healthy && sigtimedwait(&stop_signals, nullptr, &kLookPeriod) < 0) healthy = (*app)->supervise();
+  sd_notify(0, "STOPPING=1");
+  (*app)->stop();
+  return healthy ? 0 : kExitFailure;
+}
 
 }  // namespace
 
@@ -40,5 +73,5 @@ int main(int argc, char** argv) {
   if (!config.faults.empty()) return kExitConfig;
   if (arguments.print_config) std::cout << slamd::print_config(config.value);
   if (arguments.check || arguments.print_config) return 0;
-  return 0;
+  return run(config.value);
 }

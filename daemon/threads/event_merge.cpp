@@ -10,8 +10,8 @@ NextEvent oldest(const EventHeads& heads) {
   const auto offer = [&event](NextEvent::Kind kind, const std::optional<HostTime>& arrival) {
     if (arrival && (event.kind == NextEvent::Kind::kNone || *arrival < event.time)) event = {kind, *arrival};
   };
-  offer(NextEvent::Kind::kLidar, heads.lidar);
   offer(NextEvent::Kind::kImu, heads.imu);
+  offer(NextEvent::Kind::kLidar, heads.lidar);
   offer(NextEvent::Kind::kGnss, heads.gnss);
   return event;
 }

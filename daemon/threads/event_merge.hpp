@@ -17,18 +17,18 @@ struct EventMergeConfig {
 
 /// Arrival of the oldest waiting event of each source; nothing where none waits. Each source is in order of arrival.
 struct EventHeads {
-  std::optional<HostTime> lidar;
   std::optional<HostTime> imu;
+  std::optional<HostTime> lidar;
   std::optional<HostTime> gnss;
 };
 
 struct NextEvent {
-  enum class Kind { kNone, kLidar, kImu, kGnss, kSilence };
+  enum class Kind { kNone, kImu, kLidar, kGnss, kSilence };
   Kind kind = Kind::kNone;
   HostTime time;  // arrival of the event, or the instant up to which there was silence
 };
 
-/// A pure function of its inputs; one thread. Equal arrivals go lidar, imu, gnss.
+/// A pure function of its inputs; one thread. Equal arrivals go imu, lidar, gnss.
 class EventMerge {
  public:
   explicit EventMerge(const EventMergeConfig& config) : config_{config} {}

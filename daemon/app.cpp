@@ -1,0 +1,121 @@
+#include "daemon/app.hpp"
+
+#include <set>
+#include <utility>
+
+#include "daemon/server/host_clock.hpp"
+#include "daemon/threads/source_health.hpp"
+
+namespace slamd {
+
+Result<std::unique_ptr<App>> App::open(const Config& config, const std::string& version) {
+  Result<PosePublisher> publisher = PosePublisher::create();
+  if (!publisher) return Error{publisher.reason()};
+  auto streams = std::make_unique<Streams>();
+  Result<LidarThread> lidar = LidarThread::open(config.lidar, config.vlp16, *streams);
+  if (!lidar) return Error{lidar.reason()};
+  return std::unique_ptr<App>{
+      new App{config, version, std::move(publisher).value(), std::move(streams), std::move(lidar).value()}};
+}
+
+App::App(const Config& config, const std::string& version, PosePublisher publisher, std::unique_ptr<Streams> streams,
+         LidarThread lidar)
+    : config_{config},
+      log_{config.log},
+      publisher_{std::move(publisher)},
+      map_{config.map},
+      streams_{std::move(streams)},
+      lidar_{std::move(lidar)},
+      imu_{config.imu, config.imu_frames, PosePredictor{config.vehicle, config.odometry.dead_reckoning}, *streams_,
+           publisher_},
+      gnss_{config.gnss, config.nmea, *streams_},
+      estimator_{config.estimator, config.vehicle, config.odometry, *streams_},
+      mapping_{*streams_, map_, trajectory_},
+      health_{host_now()},
+      supervisor_{config.log.repeat_period,
+                  [this](LogLevel level, const std::string& line) { log_.write(level, line); }},
+      server_{config.server, {publisher_, map_, trajectory_, health_}, version} {
+  register_probes();
+}
+
+Result<void> App::start() {
+  const RealTimeConfig& rt = config_.real_time;
+  const Result<void> memory_locked = rt.lock_memory ? lock_memory() : Result<void>{};
+  start_thread({"slamd-mapping"}, mapping_);
+  start_thread({"slamd-estimator", rt.estimator_priority, rt.estimator_cpu}, estimator_);
+  start_thread({"slamd-gnss", rt.gnss_priority, rt.driver_cpu}, gnss_);
+  start_thread({"slamd-imu", rt.imu_priority, rt.driver_cpu}, imu_);
+  start_thread({"slamd-lidar", rt.lidar_priority, rt.driver_cpu}, lidar_);
+  tell_refusals(memory_locked);
+  const Result<void> served = server_.start();
+  if (!served) stop();
+  return served;
+}
+
+bool App::supervise() {
+  supervisor_.look(host_now());
+  for (const auto& worker : workers_) {
+    if (!worker->failed()) continue;
+    log_.write(LogLevel::kError, std::string{"thread state=failed name="} + worker->name());
+    return false;
+  }
+  return true;
+}
+
+void App::stop() {
+  server_.stop();
+  while (!workers_.empty()) workers_.pop_back();
+}
+
+template <class Part>
+void App::start_thread(const ThreadSchedule& schedule, Part& part) {
+  workers_.push_back(std::make_unique<Worker>(schedule, [&part](const std::stop_token& stop) { part.run(stop); }));
+}
+
+void App::tell_refusals(const Result<void>& memory_locked) {
+  std::set<std::string> reasons;
+  if (!memory_locked) reasons.insert(memory_locked.reason());
+  for (const auto& worker : workers_) {
+    if (!worker->scheduled()) reasons.insert(worker->scheduled().reason());
+  }
+  for (const std::string& reason : reasons) {
+    log_.write(LogLevel::kWarning, "real_time state=refused, continuing without: reason=\"" + reason + "\"");
+  }
+}
+
+void App::register_probes() {
+  const auto device = [](std::string name, SourceHealth health) {
+    health.device = std::move(name);
+    return health;
+  };
+  const std::string lidar_device = "udp:" + config_.lidar.bind_address + ":" + std::to_string(config_.lidar.port);
+  add_source("lidar", [=, this] { return device(lidar_device, source_health(lidar_.report(), host_now())); });
+  add_source("imu", [=, this] { return device(config_.imu.serial.path, source_health(imu_.report(), host_now())); });
+  add_source("gnss", [=, this] { return device(config_.gnss.serial.path, source_health(gnss_.report(), host_now())); });
+
+  add_ring("lidar", [this] { return streams_->lidar.counts(); });
+  add_ring("imu", [this] { return streams_->imu.counts(); });
+  add_ring("gnss", [this] { return streams_->gnss.counts(); });
+  add_ring("keyframes", [this] { return streams_->keyframes.counts(); });
+
+  health_.add_stage("scan", estimator_.scan_time());
+  health_.add_stage("scan_end_to_posterior", estimator_.scan_latency());
+  health_.add_stage("imu_to_page", imu_.imu_to_page());
+  health_.add_count("scans", [this] { return estimator_.scans(); });
+  health_.add_count("keyframes", [this] { return estimator_.keyframes(); });
+  health_.add_count("gnss_fixes", [this] { return mapping_.fixes(); });
+  health_.add_count("log_lines_lost", [this] { return log_.lost(); });
+  supervisor_.watch_pose([this] { return publisher_.newest(); });
+}
+
+void App::add_source(const std::string& name, const HealthBoard::SourceProbe& probe) {
+  health_.add_source(name, probe);
+  supervisor_.watch_source(name, probe);
+}
+
+void App::add_ring(const std::string& name, const HealthBoard::RingProbe& probe) {
+  health_.add_ring(name, probe);
+  supervisor_.watch_ring(name, probe);
+}
+
+}  // namespace slamd

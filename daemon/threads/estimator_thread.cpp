@@ -1,0 +1,95 @@
+#include "daemon/threads/estimator_thread.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+
+#include "daemon/server/host_clock.hpp"
+#include "daemon/threads/pause.hpp"
+
+namespace slamd {
+namespace {
+
+template <class T>
+std::optional<HostTime> oldest_arrival(SpscRing<T>& ring) {
+  const T* item = ring.front();
+  return item != nullptr ? std::optional{item->arrival} : std::nullopt;
+}
+
+}  // namespace
+
+EstimatorThread::EstimatorThread(const EstimatorThreadConfig& config, const VehicleGeometry& geometry,
+                                 const OdometryConfig& odometry, Streams& streams)
+    : config_{config}, merge_{config.merge}, odometry_{geometry, odometry}, streams_{streams} {}
+
+void EstimatorThread::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    if (take_event(host_now())) {
+      take_scans();
+    } else {
+      pause_for(config_.poll_period);
+    }
+  }
+}
+
+bool EstimatorThread::take_event(HostTime now) {
+  const NextEvent event =
+      merge_.next({oldest_arrival(streams_.imu), oldest_arrival(streams_.lidar), oldest_arrival(streams_.gnss)}, now);
+  switch (event.kind) {
+    case NextEvent::Kind::kNone:
+      return false;
+    case NextEvent::Kind::kLidar:
+      odometry_.add(*streams_.lidar.front());
+      streams_.lidar.pop();
+      break;
+    case NextEvent::Kind::kImu:
+      odometry_.add(*streams_.imu.front());
+      streams_.imu.pop();
+      break;
+    case NextEvent::Kind::kGnss:
+      streams_.fixes.try_push(*streams_.gnss.front());
+      streams_.gnss.pop();
+      break;
+    case NextEvent::Kind::kSilence:
+      odometry_.advance(event.time);
+      break;
+  }
+  return true;
+}
+
+void EstimatorThread::take_scans() {
+  for (;;) {
+    const HostTime begin = host_now();
+    const ScanResult* result = odometry_.step();
+    if (result == nullptr) return;
+    const HostTime end = host_now();
+    if (result->has_scan) {
+      scan_time_.record(end - begin);
+      scan_latency_.record(end - result->state.time);
+    }
+    publish(*result);
+  }
+}
+
+void EstimatorThread::publish(const ScanResult& result) {
+  Posterior& posterior = streams_.posterior.back();
+  posterior.snapshot = result.snapshot;
+  posterior.state = result.state;
+  streams_.posterior.publish();
+  streams_.path.try_push({result.state.time, result.state.T_odom_base});
+  if (result.is_keyframe) push_keyframe(result.state);
+  if (result.has_scan) scans_.fetch_add(1, std::memory_order_relaxed);
+}
+
+void EstimatorThread::push_keyframe(const NavState& state) {
+  Keyframe* slot = streams_.keyframes.claim();
+  if (slot == nullptr) return;  // counted by the ring: the map has a hole, the odometry has not
+  const PointCloud& points = odometry_.keyframe_points();
+  const std::size_t count = std::min(points.size(), Streams::kMaxKeyframePoints);
+  slot->id = keyframe_count_.fetch_add(1, std::memory_order_relaxed);
+  slot->state = state;
+  slot->points.assign(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count));
+  streams_.keyframes.commit();
+}
+
+}  // namespace slamd

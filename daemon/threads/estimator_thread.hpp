@@ -1,0 +1,52 @@
+#pragma once
+// The estimator's thread: takes the sensors' events in order of arrival, runs the odometry, hands on its results. Real
+// time: it owns no device, writes no file and waits only for its next look at the rings.
+
+#include <atomic>
+#include <cstdint>
+#include <stop_token>
+
+#include "daemon/health/histogram.hpp"
+#include "daemon/threads/event_merge.hpp"
+#include "daemon/threads/streams.hpp"
+#include "estimator/odometry/lidar_inertial_odometry.hpp"
+
+namespace slamd {
+
+struct EstimatorThreadConfig {
+  EventMergeConfig merge;
+  Duration poll_period = std::chrono::milliseconds{1};  // between two looks at empty rings
+};
+
+class EstimatorThread {
+ public:
+  /// Takes all memory that the odometry needs. streams must outlive it.
+  EstimatorThread(const EstimatorThreadConfig& config, const VehicleGeometry& geometry, const OdometryConfig& odometry,
+                  Streams& streams);
+
+  /// The thread's body: returns soon after a stop request.
+  void run(const std::stop_token& stop);
+
+  /// Any thread.
+  std::uint64_t scans() const { return scans_.load(std::memory_order_relaxed); }
+  std::uint64_t keyframes() const { return keyframe_count_.load(std::memory_order_relaxed); }
+  const Histogram& scan_time() const { return scan_time_; }        // one step of the odometry
+  const Histogram& scan_latency() const { return scan_latency_; }  // end of the scan to its posterior
+
+ private:
+  bool take_event(HostTime now);
+  void take_scans();
+  void publish(const ScanResult& result);
+  void push_keyframe(const NavState& state);
+
+  const EstimatorThreadConfig config_;
+  EventMerge merge_;
+  LidarInertialOdometry odometry_;
+  Streams& streams_;
+  Histogram scan_time_;
+  Histogram scan_latency_;
+  std::atomic<std::uint64_t> scans_{0};
+  std::atomic<std::uint64_t> keyframe_count_{0};
+};
+
+}  // namespace slamd

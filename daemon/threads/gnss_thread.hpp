@@ -1,0 +1,50 @@
+#pragma once
+// The GPS receiver's thread: serial bytes to fixes in the ring. Real-time like its brothers; it judges no fix beyond
+// what the sentence says.
+
+#include <cstdint>
+#include <stop_token>
+
+#include "daemon/ring/latest_value.hpp"
+#include "daemon/threads/streams.hpp"
+#include "drivers/gnss/nmea_parser.hpp"
+#include "drivers/io/serial_source.hpp"
+
+namespace slamd {
+
+struct GnssThreadConfig {
+  SerialSourceConfig serial{.path = "/dev/ttyACM1", .baud = 9600};
+};
+
+/// What the thread has seen; totals since the start.
+struct GnssReport {
+  HostTime last_arrival;   // of the newest fix; only meaningful when parser.fixes > 0
+  HostTime last_sentence;  // of the newest bytes that ended a sentence; only meaningful when sentences.sentences > 0
+  GnssStats parser;
+  NmeaSentenceStats sentences;
+  SerialStats serial;
+  bool device_open = false;
+};
+
+class GnssThread {
+ public:
+  /// streams must outlive it.
+  GnssThread(const GnssThreadConfig& config, const NmeaParser::Config& nmea, Streams& streams);
+
+  /// The thread's body: returns within a tenth of a second after a stop request.
+  void run(const std::stop_token& stop);
+
+  /// Any thread.
+  GnssReport report() const { return report_.load().value_or(GnssReport{}); }
+
+ private:
+  void take(const GnssFix& fix);
+
+  SerialSource source_;
+  NmeaParser parser_;
+  Streams& streams_;
+  GnssReport now_;
+  LatestValue<GnssReport> report_;
+};
+
+}  // namespace slamd

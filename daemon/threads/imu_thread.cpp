@@ -1,0 +1,62 @@
+#include "daemon/threads/imu_thread.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "daemon/server/host_clock.hpp"
+
+namespace slamd {
+
+ImuThread::ImuThread(const ImuThreadConfig& config, const ImuFrameParser::Config& frames, PosePredictor predictor,
+                     Streams& streams, PosePublisher& publisher)
+    : config_{config},
+      source_{config.serial},
+      parser_{frames},
+      predictor_{std::move(predictor)},
+      streams_{streams},
+      publisher_{publisher} {}
+
+void ImuThread::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    const SerialRead read = source_.read(config_.silence);
+    if (!read.bytes.empty()) now_.last_bytes = read.arrival;
+    take_posterior();
+    parser_.feed(read.bytes, read.arrival, [this](const ImuSample& sample) { take(sample); });
+    const HostTime now = host_now();
+    if (now - last_published_ >= config_.silence) carry_on(now);
+    tell();
+  }
+}
+
+void ImuThread::take(const ImuSample& sample) {
+  streams_.imu.try_push(sample);
+  publish(predictor_.add(sample));
+  imu_to_page_.record(host_now() - sample.arrival);
+  now_.last_arrival = sample.arrival;
+}
+
+void ImuThread::take_posterior() {
+  const Posterior* posterior = streams_.posterior.load();
+  if (posterior == nullptr || posterior->snapshot.time == last_posterior_) return;
+  last_posterior_ = posterior->snapshot.time;
+  predictor_.correct(posterior->snapshot, posterior->state);
+}
+
+void ImuThread::carry_on(HostTime now) {
+  if (last_posterior_ != HostTime{}) publish(predictor_.coast_to(now));
+}
+
+void ImuThread::publish(const NavState& state) {
+  publisher_.publish(state, {}, streams_.utc_offset_ns.load(std::memory_order_relaxed));
+  last_published_ = host_now();
+}
+
+void ImuThread::tell() {
+  now_.parser = parser_.stats();
+  now_.serial = source_.stats();
+  now_.device_open = source_.is_open();
+  now_.clock_locked = parser_.clock().locked();
+  report_.store(now_);
+}
+
+}  // namespace slamd

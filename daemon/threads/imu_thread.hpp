@@ -1,0 +1,67 @@
+#pragma once
+// The IMU's thread: serial bytes to samples for the estimator, and each sample at once to a new pose on the pose page,
+// also while a scan is being fused. Real-time; when the IMU is silent it publishes the pose all the same.
+
+#include <cstdint>
+#include <stop_token>
+
+#include "daemon/health/histogram.hpp"
+#include "daemon/ring/latest_value.hpp"
+#include "daemon/server/pose_publisher.hpp"
+#include "daemon/threads/streams.hpp"
+#include "drivers/imu/imu_frame_parser.hpp"
+#include "drivers/io/serial_source.hpp"
+#include "estimator/odometry/pose_predictor.hpp"
+
+namespace slamd {
+
+struct ImuThreadConfig {
+  SerialSourceConfig serial{.path = "/dev/ttyACM0"};
+  Duration silence = std::chrono::milliseconds{20};  // without samples for so long the pose is carried on without them
+};
+
+/// What the thread has seen; totals since the start.
+struct ImuReport {
+  HostTime last_arrival;  // of the newest sample; only meaningful when parser.samples > 0
+  HostTime last_bytes;    // of the newest bytes, whatever they were
+  ImuStats parser;
+  SerialStats serial;
+  bool device_open = false;
+  bool clock_locked = false;
+};
+
+class ImuThread {
+ public:
+  /// streams and publisher must outlive it.
+  ImuThread(const ImuThreadConfig& config, const ImuFrameParser::Config& frames, PosePredictor predictor,
+            Streams& streams, PosePublisher& publisher);
+
+  /// The thread's body: returns within a tenth of a second after a stop request.
+  void run(const std::stop_token& stop);
+
+  /// Any thread.
+  ImuReport report() const { return report_.load().value_or(ImuReport{}); }
+  /// Arrival of an IMU frame to its pose on the page.
+  const Histogram& imu_to_page() const { return imu_to_page_; }
+
+ private:
+  void take(const ImuSample& sample);
+  void take_posterior();
+  void carry_on(HostTime now);
+  void publish(const NavState& state);
+  void tell();
+
+  const ImuThreadConfig config_;
+  SerialSource source_;
+  ImuFrameParser parser_;
+  PosePredictor predictor_;
+  Streams& streams_;
+  PosePublisher& publisher_;
+  HostTime last_posterior_;
+  HostTime last_published_;
+  ImuReport now_;
+  Histogram imu_to_page_;
+  LatestValue<ImuReport> report_;
+};
+
+}  // namespace slamd

@@ -1,0 +1,64 @@
+#pragma once
+// The LiDAR's thread: datagrams of the data and the position port to decoded packets in the ring. Real-time; it makes
+// no scans and decides nothing.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <stop_token>
+#include <string>
+
+#include "daemon/ring/latest_value.hpp"
+#include "daemon/threads/streams.hpp"
+#include "drivers/io/udp_source.hpp"
+#include "drivers/velodyne/vlp16_decoder.hpp"
+
+namespace slamd {
+
+struct LidarThreadConfig {
+  std::string bind_address = "0.0.0.0";
+  std::uint16_t port = 2368;           // data packets
+  std::uint16_t position_port = 8308;  // position packets: state of the pulse per second
+  std::string source_address;          // when not empty, datagrams of others are dropped and counted
+  int receive_buffer_bytes = 4 << 20;
+};
+
+/// What the thread has seen; totals since the start.
+struct LidarReport {
+  HostTime last_received;  // of the newest datagram; only meaningful when decoder.received > 0
+  HostTime last_arrival;   // of the newest accepted packet; only meaningful when decoder.accepted > 0
+  Vlp16Stats decoder;
+  UdpStats socket;
+  std::uint64_t position_packets = 0;
+  PpsState pps = PpsState::kAbsent;
+  Vlp16Rejection last_rejection = Vlp16Rejection::kCount;
+  bool clock_locked = false;
+  double rotation_rpm = 0.0;
+};
+
+class LidarThread {
+ public:
+  /// Binds both ports; fails with the step that failed. streams must outlive the thread.
+  [[nodiscard]] static Result<LidarThread> open(const LidarThreadConfig& config, const Vlp16Config& decoder,
+                                                Streams& streams);
+
+  /// The thread's body: returns within a tenth of a second after a stop request.
+  void run(const std::stop_token& stop);
+
+  /// Any thread.
+  LidarReport report() const { return report_->load().value_or(LidarReport{}); }
+
+ private:
+  LidarThread(UdpSource packets, UdpSource positions, const Vlp16Config& decoder, Streams& streams);
+  void decode(std::span<const UdpPacket> packets);
+  void read_positions();
+
+  UdpSource packets_;
+  UdpSource positions_;
+  Vlp16Decoder decoder_;
+  Streams& streams_;
+  LidarReport now_;
+  std::unique_ptr<LatestValue<LidarReport>> report_;
+};
+
+}  // namespace slamd

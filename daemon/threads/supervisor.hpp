@@ -1,0 +1,52 @@
+#pragma once
+// Looks at the threads' reports a few times a second and tells the log what has changed: the one place where real-time
+// threads' counters become words. It reads atomics only and changes nothing.
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/health/health_board.hpp"
+#include "daemon/server/protocol/pose_page.hpp"
+#include "daemon/threads/change_log.hpp"
+
+namespace slamd {
+
+/// How a sensor stands: "state=silent, continuing without" and its counts.
+Condition condition(const SourceHealth& health);
+/// How the pose stands: "status=DEGRADED reasons=no_imu"; nothing published yet is the initial status.
+Condition condition(const std::optional<PoseSample>& sample);
+/// Whether a ring has lost anything since it had lost `dropped_before`.
+Condition condition(const RingCounts& counts, std::uint64_t dropped_before);
+
+class Supervisor {
+ public:
+  using PoseProbe = std::function<std::optional<PoseSample>()>;
+
+  Supervisor(Duration repeat_period, ChangeLog::Sink sink) : changes_{repeat_period, std::move(sink)} {}
+
+  /// Registration, before the first look(). What the probes refer to must outlive the last one.
+  void watch_source(std::string name, HealthBoard::SourceProbe probe);
+  void watch_ring(std::string name, HealthBoard::RingProbe probe);
+  void watch_pose(PoseProbe probe) { pose_ = std::move(probe); }
+
+  /// One look at everything; not for real-time threads.
+  void look(HostTime now);
+
+ private:
+  struct Ring {
+    std::string name;
+    HealthBoard::RingProbe probe;
+    std::uint64_t dropped = 0;  // at the last look
+  };
+
+  ChangeLog changes_;
+  PoseProbe pose_;
+  std::vector<std::pair<std::string, HealthBoard::SourceProbe>> sources_;
+  std::vector<Ring> rings_;
+};
+
+}  // namespace slamd
