@@ -114,6 +114,14 @@ TEST(Config, AWrongOverrideSaysWhich) {
   EXPECT_EQ(load_config("", {"real_time.lock_memory=[1"}).faults.size(), 1U);
 }
 
+TEST(Config, KeysThatContradictEachOtherAreFaults) {
+  EXPECT_EQ(load_config("", {"lidar.min_range_m=50", "lidar.max_range_m=20"}).faults,
+            ConfigFaults{"(configuration):0: lidar.min_range_m: must be below lidar.max_range_m"});
+  EXPECT_EQ(load_config("", {"lidar.port=8308"}).faults.size(), 1U);
+  EXPECT_EQ(load_config("", {"imu.device=/dev/x", "gnss.device=/dev/x"}).faults.size(), 1U);
+  EXPECT_EQ(load_config("", {"imu.device=", "gnss.device="}).faults, ConfigFaults{});
+}
+
 TEST(Config, AMissingFileIsAFault) {
   const auto loaded = load_config("/nonexistent/slamd.yaml");
   EXPECT_EQ(loaded.faults, ConfigFaults{"/nonexistent/slamd.yaml:0: (file): No such file or directory"});

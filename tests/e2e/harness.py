@@ -1,0 +1,165 @@
+"""Runs the real slamd and slam-sim on loopback, ptys and a socket in a temporary folder. Holds no test."""
+
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+import unittest
+
+SLAMD = os.environ.get("SLAMD", "slamd")
+SLAM_SIM = os.environ.get("SLAM_SIM", "slam-sim")
+
+
+def free_udp_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class Process:
+    """A child with its output in a file; ended by stop() at the latest."""
+
+    def __init__(self, arguments, log_path):
+        self.log_path = log_path
+        with open(log_path, "wb") as log:
+            self.child = subprocess.Popen(arguments, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+
+    def output(self):
+        with open(self.log_path, encoding="utf-8", errors="replace") as log:
+            return log.read()
+
+    def running(self):
+        return self.child.poll() is None
+
+    def send(self, signal_number):
+        self.child.send_signal(signal_number)
+
+    def wait(self, timeout_s):
+        return self.child.wait(timeout_s)
+
+    def stop(self):
+        if self.running():
+            self.child.kill()
+        self.child.wait()
+
+
+class Client:
+    """JSON-RPC 2.0 over the daemon's socket, one object a line."""
+
+    def __init__(self, path, timeout_s=10.0):
+        self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        self.socket.settimeout(timeout_s)
+        try:
+            self.socket.connect(path)
+        except OSError:
+            self.socket.close()
+            raise
+        self.lines = self.socket.makefile("rb")
+        self.next_id = 0
+
+    def call(self, method, **params):
+        self.next_id += 1
+        request = {"jsonrpc": "2.0", "id": self.next_id, "method": method, "params": params}
+        self.socket.sendall(json.dumps(request).encode() + b"\n")
+        while True:
+            answer = json.loads(self.lines.readline())
+            if answer.get("id") == self.next_id:
+                return answer
+
+    def pose(self):
+        """The result of get_pose; None as long as there is none."""
+        return self.call("get_pose").get("result")
+
+    def status(self):
+        return self.call("get_status")["result"]
+
+    def close(self):
+        self.lines.close()
+        self.socket.close()
+
+
+class EndToEndTest(unittest.TestCase):
+    """A temporary folder, and one daemon and one simulator in it at most at a time."""
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="slamd-e2e-")
+        self.port = free_udp_port()
+        self.position_port = free_udp_port()
+        self.processes = []
+        self.client = None
+
+    def tearDown(self):
+        if self.client:
+            self.client.close()
+        for process in reversed(self.processes):
+            process.stop()
+        shutil.rmtree(self.folder)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def start(self, name, arguments):
+        process = Process(arguments, self.path(f"{name}-{len(self.processes)}.log"))
+        self.processes.append(process)
+        return process
+
+    def daemon_arguments(self):
+        settings = {
+            "lidar.bind_address": "127.0.0.1",
+            "lidar.port": self.port,
+            "lidar.position_port": self.position_port,
+            "imu.device": self.path("imu"),
+            "gnss.device": self.path("gnss"),
+            "server.socket": self.path("slamd.sock"),
+            "server.save_dir": self.folder,
+        }
+        arguments = [SLAMD]
+        for key, value in settings.items():
+            arguments += ["--set", f"{key}={value}"]
+        return arguments
+
+    def start_daemon(self, *extra):
+        daemon = self.start("slamd", [*self.daemon_arguments(), *extra])
+        self.client = self.await_value("the socket", lambda: self.connect(daemon), 20.0)
+        return daemon
+
+    def connect(self, daemon):
+        if not daemon.running():
+            self.fail(f"slamd ended: {daemon.output()}")
+        try:
+            return Client(self.path("slamd.sock"))
+        except OSError:
+            return None
+
+    def start_simulator(self, *extra):
+        return self.start("slam-sim", [SLAM_SIM, "--live", "--imu-pty", self.path("imu"), "--gps-pty", self.path("gnss"),
+                                       "--lidar-port", str(self.port), "--position-port", str(self.position_port),
+                                       "--truth", self.path("truth.tum"), *extra])
+
+    def await_value(self, what, attempt, timeout_s):
+        """Asks until attempt() gives something true; fails after timeout_s with everybody's output."""
+        deadline = time.monotonic() + timeout_s
+        while time.monotonic() < deadline:
+            value = attempt()
+            if value:
+                return value
+            time.sleep(0.05)
+        outputs = "\n".join(process.output()[-3000:] for process in self.processes)
+        return self.fail(f"waited {timeout_s} s for {what}\n{outputs}")
+
+    def await_pose(self, what, accept, timeout_s=30.0):
+        def attempt():
+            pose = self.client.pose()
+            return pose if pose and accept(pose) else None
+
+        return self.await_value(what, attempt, timeout_s)
+
+    def assert_stops_cleanly(self, daemon):
+        begin = time.monotonic()
+        daemon.send(signal.SIGTERM)
+        self.assertEqual(daemon.wait(10.0), 0, daemon.output())
+        return time.monotonic() - begin

@@ -1,0 +1,118 @@
+// The real app in this process, fed by slam-sim over loopback and ptys: after warm-up its real-time threads neither
+// allocate nor lock.
+
+#include <gtest/gtest.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "daemon/app.hpp"
+#include "tests/support/thread_accounting.hpp"
+
+namespace slamd {
+namespace {
+
+constexpr std::uint16_t kLidarPort = 23680;
+constexpr std::uint16_t kPositionPort = 23681;
+
+/// A temporary folder that goes with its owner.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() : path_{std::filesystem::temp_directory_path() / ("slamd-rt-" + std::to_string(::getpid()))} {
+    std::filesystem::create_directories(path_);
+  }
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  std::string file(const char* name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// slam-sim --live as a child, ended with its owner.
+class Simulator {
+ public:
+  explicit Simulator(std::vector<std::string> arguments) {
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    if (posix_spawn(&pid_, argv[0], nullptr, nullptr, argv.data(), environ) != 0) pid_ = -1;
+  }
+  ~Simulator() {
+    if (pid_ <= 0) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  bool started() const { return pid_ > 0; }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+Config config_in(const TemporaryFolder& folder) {
+  Config config;
+  config.lidar.bind_address = "127.0.0.1";
+  config.lidar.port = kLidarPort;
+  config.lidar.position_port = kPositionPort;
+  config.imu.serial.path = folder.file("imu");
+  config.gnss.serial.path = folder.file("gnss");
+  config.server.socket_path = folder.file("slamd.sock");
+  config.server.save_dir = folder.file("");
+  config.real_time.lock_memory = false;  // of the test's own process
+  return config;
+}
+
+Simulator simulator_in(const TemporaryFolder& folder) {
+  return Simulator{{SLAMD_SLAM_SIM, "--live", "--quiet", "--duration", "60", "--rest", "3", "--udp-host", "127.0.0.1",
+                    "--lidar-port", std::to_string(kLidarPort), "--position-port", std::to_string(kPositionPort),
+                    "--imu-pty", folder.file("imu"), "--gps-pty", folder.file("gnss")}};
+}
+
+/// Looks at the app every tenth of a second until `done` or a minute has passed.
+template <class Done>
+bool supervise_until(App& app, const Done& done) {
+  for (int i = 0; i < 600; ++i) {
+    if (done()) return true;
+    if (!app.supervise()) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds{100});
+  }
+  return false;
+}
+
+TEST(RealTime, ThreadsNeitherAllocateNorLockAfterWarmUp) {
+  if (!thread_accounting_works()) GTEST_SKIP() << "the sanitizer has its own allocator";
+  constexpr std::uint64_t kWarmUpScans = 80;
+  constexpr std::uint64_t kCountedScans = 150;
+  const TemporaryFolder folder;
+  auto app = App::open(config_in(folder), "test");
+  ASSERT_TRUE(app) << app.reason();
+  const Simulator simulator = simulator_in(folder);
+  ASSERT_TRUE(simulator.started());
+  ASSERT_TRUE((*app)->start());
+  ASSERT_TRUE(supervise_until(**app, [&] { return (*app)->scans() >= kWarmUpScans; }));
+
+  const std::vector<std::string> names{"slamd-lidar", "slamd-imu", "slamd-gnss", "slamd-estimator"};
+  std::vector<ThreadAccount> before;
+  for (const std::string& name : names) before.push_back(thread_account(name));
+  const std::uint64_t scans_before = (*app)->scans();
+  ASSERT_TRUE(supervise_until(**app, [&] { return (*app)->scans() >= scans_before + kCountedScans; }));
+  EXPECT_GT((*app)->keyframes(), 5U) << "the vehicle should have moved while it was counted";
+
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const ThreadAccount after = thread_account(names[i]);
+    EXPECT_EQ(after.allocations - before[i].allocations, 0U) << names[i];
+    EXPECT_EQ(after.frees - before[i].frees, 0U) << names[i];
+    EXPECT_EQ(after.locks - before[i].locks, 0U) << names[i];
+  }
+  (*app)->stop();
+}
+
+}  // namespace
+}  // namespace slamd
