@@ -12,6 +12,9 @@
 #include "tools/plot/map_picture.hpp"
 #include "tools/plot/pcd_file.hpp"
 
+// fontconfig keeps its cache until the process ends, which the leak sanitizer takes for a leak.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libfontconfig"; }
+
 namespace slamd::plot {
 namespace {
 

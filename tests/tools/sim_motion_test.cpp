@@ -47,8 +47,7 @@ void expect_integrates(const Trajectory& motion, double seconds) {
   constexpr double kStep = 5e-4, kGravity = 9.80665;
   const Motion start = motion.at(0.0);
   Pose pose = start.T_world_base * T_base_imu;
-  Vector3d velocity =
-      start.velocity + start.T_world_base.rotation * start.rate.cross(T_base_imu.translation);
+  Vector3d velocity = start.velocity + start.T_world_base.rotation * start.rate.cross(T_base_imu.translation);
   const auto count = static_cast<int>(seconds / kStep);
   for (int i = 0; i < count; ++i) {
     const Inertial felt = inertial_at(motion.at((i + 0.5) * kStep), T_base_imu, kGravity);
@@ -68,9 +67,15 @@ void expect_integrates(const Trajectory& motion, double seconds) {
   EXPECT_LT(pose.rotation.angularDistance(truth.rotation), 1e-5);
 }
 
-TEST(SimMotion, WhatTheImuFeelsIntegratesToTheTruth) { expect_integrates(make(campus(), 0.0, Wobble{}, false), 18.0); }
-TEST(SimMotion, RoughMotionIntegratesToTheTruthToo) { expect_integrates(make(campus(), 1.0, kRough, false), 18.0); }
-TEST(SimMotion, AMovingStartIntegratesToTheTruthToo) { expect_integrates(make(campus(), 0.0, Wobble{}, true), 10.0); }
+TEST(SimMotion, WhatTheImuFeelsIntegratesToTheTruth) {
+  expect_integrates(make(campus(), 0.0, Wobble{}, false), 18.0);
+}
+TEST(SimMotion, RoughMotionIntegratesToTheTruthToo) {
+  expect_integrates(make(campus(), 1.0, kRough, false), 18.0);
+}
+TEST(SimMotion, AMovingStartIntegratesToTheTruthToo) {
+  expect_integrates(make(campus(), 0.0, Wobble{}, true), 10.0);
+}
 
 TEST(SimMotion, StandsPerfectlyStillBeforeItStarts) {
   const Trajectory motion = make(campus(), 0.0, Wobble{}, false);
@@ -112,7 +117,8 @@ TEST(SimMotion, APathIsParameterisedByItsLength) {
   for (double s = 5.0; s < path.length() - 5.0; s += 3.7) {
     const auto before = path.at(s - 0.01), after = path.at(s + 0.01);
     ASSERT_NEAR((after.position - before.position).norm(), 0.02, 5e-5) << s;
-    ASSERT_NEAR(std::remainder(after.yaw - before.yaw, 6.283185307179586), 0.02 * path.at(s).curvature_per_m, 1e-4) << s;
+    ASSERT_NEAR(std::remainder(after.yaw - before.yaw, 6.283185307179586), 0.02 * path.at(s).curvature_per_m, 1e-4)
+        << s;
   }
 }
 

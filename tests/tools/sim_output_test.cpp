@@ -66,14 +66,16 @@ TEST(SimOutput, AFolderHasOnlyTheFilesOfSensorsThatSpoke) {
     out.write_vehicle(simulation.vehicle());
   }
   EXPECT_FALSE(std::filesystem::exists(folder / "lidar.pcap"));
-  const std::string imu = text_of(folder / "imu.csv"), gps = text_of(folder / "gps.csv"), truth = text_of(folder / "truth.tum");
+  const std::string imu = text_of(folder / "imu.csv"), gps = text_of(folder / "gps.csv"),
+                    truth = text_of(folder / "truth.tum");
   EXPECT_EQ(imu.substr(0, imu.find('\n')), "t_ns,gx_rads,gy_rads,gz_rads,ax_mps2,ay_mps2,az_mps2,temp_c");
   EXPECT_NEAR(static_cast<double>(std::count(imu.begin(), imu.end(), '\n')), 501.0, 1.0);
   EXPECT_NE(gps.find(",$GPGGA,080002.00,"), std::string::npos);
   EXPECT_EQ(gps.find('\r'), std::string::npos);
   EXPECT_EQ(std::count(truth.begin(), truth.end(), '\n'), 251);
   EXPECT_EQ(truth.substr(0, 12), "1.000000000 ");
-  EXPECT_NE(text_of(folder / "vehicle.yaml").find("p_base_antenna: [-0.600000, 0.350000, 1.740000]"), std::string::npos);
+  EXPECT_NE(text_of(folder / "vehicle.yaml").find("p_base_antenna: [-0.600000, 0.350000, 1.740000]"),
+            std::string::npos);
   std::filesystem::remove_all(folder);
 }
 

@@ -33,10 +33,14 @@ bool contains(const Primitive& body, const Vector3d& p_world) {
   const Vector3d p = body.R_world_body.transpose() * (p_world - body.centre);
   const Vector3d& h = body.half;
   switch (body.shape) {
-    case Shape::kBox: return (p.cwiseAbs() - h).maxCoeff() <= 0.0;
-    case Shape::kEllipsoid: return p.cwiseQuotient(h).norm() <= 1.0;
-    case Shape::kCylinder: return std::abs(p.z()) <= h.z() && p.head<2>().norm() <= h.x();
-    case Shape::kCone: return std::abs(p.z()) <= h.z() && p.head<2>().norm() <= h.x() * (h.z() - p.z()) / (2 * h.z());
+    case Shape::kBox:
+      return (p.cwiseAbs() - h).maxCoeff() <= 0.0;
+    case Shape::kEllipsoid:
+      return p.cwiseQuotient(h).norm() <= 1.0;
+    case Shape::kCylinder:
+      return std::abs(p.z()) <= h.z() && p.head<2>().norm() <= h.x();
+    case Shape::kCone:
+      return std::abs(p.z()) <= h.z() && p.head<2>().norm() <= h.x() * (h.z() - p.z()) / (2 * h.z());
   }
   return false;
 }

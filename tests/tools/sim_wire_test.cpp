@@ -1,4 +1,5 @@
-// The bytes slam-sim makes: repeatable, in order of arrival, and read back by our own drivers as the truth they came from.
+// The bytes slam-sim makes: repeatable, in order of arrival, and read back by our own drivers as the truth they came
+// from.
 
 #include <gtest/gtest.h>
 
@@ -70,7 +71,8 @@ TEST(SimWire, SwitchingOneSensorOffLeavesTheBytesOfTheOthers) {
 
 /// Distance of a point in the corridor's world frame to its nearest face.
 double to_corridor_face(const Eigen::Vector3d& p) {
-  return std::min({std::abs(p.z()), std::abs(p.z() - 3.2), std::abs(std::abs(p.y()) - 2.6), std::abs(p.x() + 150.0), std::abs(p.x() - 270.0)});
+  return std::min({std::abs(p.z()), std::abs(p.z() - 3.2), std::abs(std::abs(p.y()) - 2.6), std::abs(p.x() + 150.0),
+                   std::abs(p.x() - 270.0)});
 }
 
 struct Corridor {
@@ -170,7 +172,8 @@ TEST(SimWire, PositionPacketsCarryClockPpsAndSentence) {
     const auto position = parse_vlp16_position(event.bytes);
     ASSERT_TRUE(position);
     EXPECT_EQ(position->pps, PpsState::kLocked);
-    EXPECT_NEAR(position->stamp_us, static_cast<double>(event.taken_ns) * 1e-3, 2.0);  // the drive starts on a full hour
+    EXPECT_NEAR(position->stamp_us, static_cast<double>(event.taken_ns) * 1e-3,
+                2.0);  // the drive starts on a full hour
     EXPECT_EQ(position->nmea.substr(0, 7), "$GPRMC,");
     ++seen;
   }
