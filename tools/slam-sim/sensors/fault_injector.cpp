@@ -71,6 +71,7 @@ void FaultInjector::repeat_last(WireEvent& event) {
   };
   const DecodedImuFrame old = decode_imu_packet(packet(source));
   DecodedImuFrame now = decode_imu_packet(packet(event));
+  if (!old || !now) return;  // one of them is damaged: it stays as it is
   now.frame.gyro = old.frame.gyro;
   now.frame.accel = old.frame.accel;
   const auto bytes = encode(now.frame);
