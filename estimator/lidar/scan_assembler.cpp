@@ -1,5 +1,7 @@
 #include "estimator/lidar/scan_assembler.hpp"
 
+#include <cmath>
+
 namespace slamd {
 
 namespace {
@@ -9,6 +11,8 @@ constexpr std::int32_t kTurn_cdeg = 36'000;
 std::int32_t turn_between(std::uint16_t from_cdeg, std::uint16_t to_cdeg) {
   return (static_cast<std::int32_t>(to_cdeg) - static_cast<std::int32_t>(from_cdeg) + kTurn_cdeg) % kTurn_cdeg;
 }
+
+bool is_finite(const LidarPoint& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 void reserve(Scan& scan, const ScanAssemblerConfig& config) {
   scan.points.reserve(config.max_points);
@@ -71,6 +75,10 @@ void ScanAssembler::append(const LidarPacket& packet) {
       return;
     }
     LidarPoint point = packet.points[i];
+    if (!is_finite(point)) {
+      ++points_dropped_;
+      continue;
+    }
     point.time_offset_ns += static_cast<std::int32_t>(begin_to_packet_ns);
     segmenter_.add(point, static_cast<float>(point.time_offset_ns) * 1e-9F, open_.segments);
     open_.points.push_back(point);

@@ -28,6 +28,7 @@ class ScanAssembler {
   /// Swaps the finished scan with `scan`, whose memory is used again.
   void take(Scan& scan);
 
+  /// Points that were not finite or for which there was no room.
   std::uint64_t points_dropped() const { return points_dropped_; }
 
  private:
