@@ -146,6 +146,19 @@ TEST(ScanAssembler, PointsBeyondTheCapacityAreCountedAndMemoryDoesNotGrow) {
   EXPECT_EQ(run.points_got + assembler.points_dropped(), run.points_sent);
 }
 
+TEST(ScanAssembler, PointsThatAreNotFiniteAreLeftOutAndCounted) {
+  ScanAssembler assembler{ScanAssemblerConfig{}};
+  LidarPacket packet = SpinningLidar{}.packet(0, ten_metres);
+  packet.points[3].x = std::numeric_limits<float>::quiet_NaN();
+  packet.points[9].z = std::numeric_limits<float>::infinity();
+  assembler.add(packet);
+  assembler.finish();
+  Scan scan;
+  assembler.take(scan);
+  EXPECT_EQ(scan.points.size(), packet.point_count - 2U);
+  EXPECT_EQ(assembler.points_dropped(), 2U);
+}
+
 TEST(ScanAssembler, PacketsWithoutReturnsStillTurn) {
   ScanAssembler assembler{ScanAssemblerConfig{}};
   const SpinningLidar lidar;
