@@ -1,5 +1,6 @@
 """A simulated drive through the real daemon: the pose against the truth, and what it says when sensors go and come back."""
 
+import math
 import signal
 import time
 import unittest
@@ -50,8 +51,10 @@ class Drive(EndToEndTest):
         self.assertLess(samples / seconds, 230.0)
 
     def check_against_truth(self, poses):
+        """Relative to the first moving pose: what is learnt of gravity at the first metre is the estimator's tests' matter."""
         truth = Truth(self.path("truth.tum"))
         poses = [pose for pose in poses if pose["time_ns"] * 1e-9 < truth.stamps[-1]]
+        poses = poses[next(i for i, pose in enumerate(poses) if math.hypot(*pose["velocity_mps"]) > 3.0):]
         begin_time, begin = poses[0]["time_ns"] * 1e-9, transform(poses[0])
         driven = errors(truth.at(begin_time), truth.at(poses[-1]["time_ns"] * 1e-9))[0]
         self.assertGreater(driven, 20.0, "the vehicle should have moved")

@@ -10,6 +10,7 @@
 #include <csignal>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -75,6 +76,15 @@ Simulator simulator_in(const TemporaryFolder& folder) {
                     "--imu-pty", folder.file("imu"), "--gps-pty", folder.file("gnss")}};
 }
 
+bool thread_runs(const std::string& name) {
+  for (const auto& task : std::filesystem::directory_iterator{"/proc/self/task"}) {
+    std::string line;
+    std::getline(std::ifstream{task.path() / "comm"} >> std::ws, line);
+    if (line == name) return true;
+  }
+  return false;
+}
+
 /// Looks at the app every tenth of a second until `done` or a minute has passed.
 template <class Done>
 bool supervise_until(App& app, const Done& done) {
@@ -106,6 +116,7 @@ TEST(RealTime, ThreadsNeitherAllocateNorLockAfterWarmUp) {
   EXPECT_GT((*app)->keyframes(), 5U) << "the vehicle should have moved while it was counted";
 
   for (std::size_t i = 0; i < names.size(); ++i) {
+    EXPECT_TRUE(thread_runs(names[i])) << names[i];
     const ThreadAccount after = thread_account(names[i]);
     EXPECT_EQ(after.allocations - before[i].allocations, 0U) << names[i];
     EXPECT_EQ(after.frees - before[i].frees, 0U) << names[i];

@@ -1,0 +1,107 @@
+// The rings and the estimator's thread at ten times the sensors' rate: nothing is dropped.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+
+#include "daemon/server/host_clock.hpp"
+#include "daemon/threads/estimator_thread.hpp"
+#include "daemon/threads/pause.hpp"
+#include "daemon/threads/worker.hpp"
+
+namespace slamd {
+namespace {
+
+constexpr Duration kPacketPeriod = std::chrono::nanoseconds{132'710};  // a tenth of the VLP-16's
+constexpr Duration kSamplePeriod = std::chrono::microseconds{500};     // a tenth of the IMU's
+constexpr Duration kRunTime = std::chrono::seconds{10};
+
+/// A room's four walls as seen by one packet, `turned` revolutions after the first.
+LidarPacket packet_at(HostTime time, double turned) {
+  LidarPacket packet{};
+  packet.time = time;
+  packet.arrival = time + kPacketPeriod;
+  packet.span = kPacketPeriod;
+  constexpr double kPacketTurns = 0.01327;
+  const auto azimuth_cdeg = [](double turns) {
+    return static_cast<std::uint16_t>(std::lround(std::fmod(turns, 1.0) * 36'000.0) % 36'000);
+  };
+  packet.azimuth_begin_cdeg = azimuth_cdeg(turned);
+  packet.azimuth_end_cdeg = azimuth_cdeg(turned + kPacketTurns);
+  packet.point_count = 32;
+  for (std::size_t i = 0; i < packet.point_count; ++i) {
+    const double angle = -2.0 * M_PI * (turned + kPacketTurns * static_cast<double>(i) / packet.point_count);
+    const double range_m = 10.0 / std::max(std::abs(std::cos(angle)), std::abs(std::sin(angle)));
+    packet.points[i] = {.x = static_cast<float>(range_m * std::cos(angle)),
+                        .y = static_cast<float>(range_m * std::sin(angle)),
+                        .z = static_cast<float>(0.2 * static_cast<double>(i % 16)),
+                        .time_offset_ns = static_cast<std::int32_t>(i * 4'000),
+                        .azimuth_cdeg = packet.azimuth_begin_cdeg,
+                        .ring = static_cast<std::uint8_t>(i % 16),
+                        .intensity = 50,
+                        .return_index = 0};
+  }
+  return packet;
+}
+
+ImuSample sample_at(HostTime time) {
+  ImuSample sample;
+  sample.time = time;
+  sample.arrival = time + std::chrono::microseconds{300};
+  sample.accel_mps2 = {0.0, 0.0, 9.80665};
+  return sample;
+}
+
+/// Calls make(n) at its due time, n = 0, 1, ... until kRunTime has passed; returns how many.
+template <class Make>
+std::uint64_t at_rate(Duration period, const Make& make) {
+  const HostTime begin = host_now();
+  std::uint64_t made = 0;
+  for (HostTime now = begin; now - begin < kRunTime; now = host_now()) {
+    for (; begin + static_cast<std::int64_t>(made) * period <= now; ++made) {
+      make(begin + static_cast<std::int64_t>(made) * period, made);
+    }
+    pause_for(std::chrono::milliseconds{1});
+  }
+  return made;
+}
+
+TEST(RingRate, TenTimesTheSensorsRateDropsNothing) {
+  const auto streams = std::make_unique<Streams>();
+  const auto estimator =
+      std::make_unique<EstimatorThread>(EstimatorThreadConfig{}, VehicleGeometry{}, OdometryConfig{}, *streams);
+  std::atomic<std::uint64_t> packets{0};
+  std::atomic<std::uint64_t> samples{0};
+  std::atomic<int> ended{0};
+  {
+    const Worker consumer{{"estimator", 40}, [&](const std::stop_token& stop) { estimator->run(stop); }};
+    const Worker lidar{{"lidar", 50}, [&](const std::stop_token&) {
+                         packets = at_rate(kPacketPeriod, [&](HostTime time, std::uint64_t n) {
+                           streams->lidar.try_push(packet_at(time, 0.01327 * static_cast<double>(n)));
+                         });
+                         ++ended;
+                       }};
+    const Worker imu{{"imu", 60}, [&](const std::stop_token&) {
+                       samples = at_rate(kSamplePeriod,
+                                         [&](HostTime time, std::uint64_t) { streams->imu.try_push(sample_at(time)); });
+                       ++ended;
+                     }};
+    while (ended < 2 || streams->lidar.counts().size > 0) pause_for(std::chrono::milliseconds{10});
+  }
+  EXPECT_GT(packets, 70'000U);
+  EXPECT_GT(samples, 19'000U);
+  EXPECT_EQ(streams->lidar.counts().dropped, 0U);
+  EXPECT_EQ(streams->imu.counts().dropped, 0U);
+  EXPECT_EQ(streams->lidar.counts().pushed, packets);
+  EXPECT_EQ(streams->imu.counts().pushed, samples);
+  EXPECT_GT(estimator->scans(), 900U);
+  RecordProperty("lidar_high_water", static_cast<int>(streams->lidar.counts().high_water));
+}
+
+}  // namespace
+}  // namespace slamd
