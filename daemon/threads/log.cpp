@@ -12,7 +12,7 @@ Log::Log(const LogConfig& config) : pool_{std::make_shared<spdlog::details::thre
   logger_->flush_on(spdlog::level::info);
 }
 
-Log::~Log() = default;
+Log::~Log() { pool_.reset(); }  // joins the writing thread while the logger that it uses is still there
 
 void Log::write(LogLevel level, std::string_view line) {
   const auto spdlog_level = level == LogLevel::kInfo      ? spdlog::level::info
