@@ -74,6 +74,10 @@ Step solve(const Linearisation& scan, double scale, const ErrorVector& from_prio
   return step;
 }
 
+double position_sigma(const ErrorCovariance& p) {
+  return std::sqrt(p.block<3, 3>(I::kPosition, I::kPosition).trace());
+}
+
 Matrix6d inverse_or_huge(const Matrix6d& information) {
   constexpr double kNoInformation = 1e-6;
   return (information + kNoInformation * Matrix6d::Identity()).inverse();
@@ -82,20 +86,25 @@ Matrix6d inverse_or_huge(const Matrix6d& information) {
 }  // namespace
 
 UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> points, PointToPlane& residuals,
-                     PlaneMap& map, FilterSnapshot& filter) {
+                     PlaneMap& map, FilterSnapshot& filter, StageListener* listener) {
   UpdateSummary summary;
   const InertialState prior = filter.state;
   InertialState state = prior;
   InertialState associated_at = prior;
-  Step step;
+  Step step{ErrorVector::Zero(), filter.covariance};
+  const bool sure = position_sigma(filter.covariance) < config.associate_again_m;
+  const std::uint32_t max_iterations = sure ? config.max_iterations : config.max_iterations_unsure;
   bool converged = false;
-  for (std::uint32_t i = 0; i < config.max_iterations && !converged; ++i) {
+  for (std::uint32_t i = 0; i < max_iterations && !converged; ++i) {
     const double moved = (state.p_odom_imu - associated_at.p_odom_imu).norm();
-    if (i == 0 || moved > config.associate_again_m) {
+    if (i == 0 || !sure || moved > config.associate_again_m) {
       residuals.associate(points, state, map);
       associated_at = state;
+      if (listener != nullptr) listener->finished(Stage::kAssociate);
     }
-    Linearisation scan = residuals.linearise(state, filter.covariance, config.estimate_extrinsic);
+    // The gate closes as the iterates settle: what the last step still moved is what remains unsure.
+    const ErrorCovariance gate_covariance = step.covariance + step.error * step.error.transpose();
+    Linearisation scan = residuals.linearise(state, gate_covariance, config.estimate_extrinsic);
     summary.iterations = i + 1;
     summary.matched = scan.matched;
     summary.inliers = scan.inliers;

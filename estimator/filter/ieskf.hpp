@@ -3,18 +3,20 @@
 
 #include "estimator/filter/imu_propagation.hpp"
 #include "estimator/filter/point_to_plane.hpp"
+#include "estimator/types/stage.hpp"
 
 namespace slamd {
 
 struct IeskfConfig {
   std::uint32_t max_iterations = 4;
+  std::uint32_t max_iterations_unsure = 25;  // while the prior's position sigma is above associate_again_m
   double converged_translation_m = 5.0e-4;
   double converged_rotation_rad = 5.0e-5;
   double associate_again_m = 0.1;          // points moved further than this since their planes were found: find anew
   std::uint32_t min_inliers = 100;
   double min_inlier_share = 0.3;           // of the points with a plane
   double information_scale = 0.1;         // neighbouring residuals share their errors: one independent in so many
-  double degenerate_noise_ratio = 8.0;     // information below so many times what noisy normals fake is not believed
+  double degenerate_noise_ratio = 2.0;     // information below so many times what noisy normals fake is not believed
   double degenerate_share = 0.002;         // likewise below this share of all the residuals' information
   bool estimate_extrinsic = false;
 };
@@ -36,7 +38,8 @@ struct UpdateSummary {
 /// with fewer than min_inliers neither changes and `fused` is false. No allocation.
 /// Source: Xu et al. 2022, eq. (14)-(18), in information form: (I + A P)^-1 over the measured rows only, so that a
 /// singular A (free directions) and a singular P (extrinsic not estimated) are both fine.
+/// listener, when there is one, hears of kAssociate and kSolve.
 UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> points, PointToPlane& residuals,
-                     PlaneMap& map, FilterSnapshot& filter);
+                     PlaneMap& map, FilterSnapshot& filter, StageListener* listener = nullptr);
 
 }  // namespace slamd

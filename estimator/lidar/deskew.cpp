@@ -10,6 +10,17 @@ void ScanMotion::add(double time_s, const Pose& T_odom_imu) {
   if (knots_.size() < knots_.capacity()) knots_.push_back({time_s, T_odom_imu});
 }
 
+void ScanMotion::bend(const Pose& T_end_corrected) {
+  if (knots_.size() < 2) return;
+  const double begin_s = knots_.front().time_s;
+  const double length_s = knots_.back().time_s - begin_s;
+  const Eigen::Vector3d turn = log_so3(T_end_corrected.rotation);
+  for (Knot& knot : knots_) {
+    const double share = (knot.time_s - begin_s) / length_s;
+    knot.T_odom_imu = knot.T_odom_imu * Pose{exp_so3(share * turn), share * T_end_corrected.translation};
+  }
+}
+
 void ScanMotion::finish(const Pose& T_imu_lidar) {
   pieces_.clear();
   pieces_.reserve(knots_.capacity());

@@ -17,7 +17,10 @@ class ScanMotion {
   void clear() { knots_.clear(); }
   /// T_odom_imu at time_s after the scan's begin, in order of time. The last knot is the scan's end.
   void add(double time_s, const Pose& T_odom_imu);
-  /// All that deskew() needs, from the knots. Call once after the last add().
+  /// Corrects the motion once the end is known better: T_odom_end becomes T_odom_end * T_end_corrected, the begin stays,
+  /// what is between takes its share in proportion to time. finish() again afterwards.
+  void bend(const Pose& T_end_corrected);
+  /// All that deskew() needs, from the knots. Call after the last add().
   void finish(const Pose& T_imu_lidar);
 
   /// A point of the lidar frame at time_s to the lidar frame at the scan's end. Rotation to second order in the time from

@@ -1,6 +1,7 @@
 #include "estimator/map/plane_map.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -14,6 +15,8 @@ constexpr std::uint32_t kMaxPlaneAge = 10;     // scans
 constexpr float kRefitGrowth = 1.15F;
 constexpr std::size_t kMostNeighbours = 16;
 
+double squared(double x) { return x * x; }
+
 }  // namespace
 
 float Plane::height_variance(const Eigen::Vector3f& p) const {
@@ -25,6 +28,7 @@ float Plane::height_variance(const Eigen::Vector3f& p) const {
 
 PlaneMap::PlaneMap(const PlaneMapConfig& config)
     : config_{config},
+      reach_m_{config.max_distance_m},
       tree_{IkdTreeConfig{.voxel_size_m = config.voxel_size_m, .max_points = config.max_voxels}},
       moments_(config.max_voxels),
       planes_(config.max_voxels) {}
@@ -51,11 +55,11 @@ const Plane* PlaneMap::plane_at(const Eigen::Vector3f& p_odom) {
   std::uint32_t slot = tree_.find_voxel(p_odom);
   if (slot == kNoSlot) {
     Neighbour nearest{};
-    if (tree_.nearest(p_odom, {&nearest, 1}, config_.neighbour_radius_m) == 0) return nullptr;
+    if (tree_.nearest(p_odom, {&nearest, 1}, config_.near.radius_m) == 0) return nullptr;
     slot = nearest.slot;
   }
   CachedPlane& cached = planes_[slot];
-  if (!is_fresh(cached, slot)) fit(tree_.point(slot), slot, cached);
+  if (!is_fresh(cached, slot)) fit(slot, cached);
   return cached.valid ? &cached.plane : nullptr;
 }
 
@@ -66,12 +70,25 @@ bool PlaneMap::is_fresh(const CachedPlane& cached, std::uint32_t slot) const {
   return settled || scan_ - cached.fitted_at < kMaxPlaneAge;
 }
 
-void PlaneMap::fit(const Eigen::Vector3f& p_odom, std::uint32_t slot, CachedPlane& cached) {
+void PlaneMap::fit(std::uint32_t slot, CachedPlane& cached) {
+  cached.voxel_count = moments_[slot].count;
+  cached.fitted_at = scan_;
+  cached.valid = fit(slot, config_.near, cached.plane);
+  if (!cached.valid || cached.plane.tilt_variance() > config_.near_tilt_rad * config_.near_tilt_rad) {
+    Plane wide;
+    if (fit(slot, config_.wide, wide)) {
+      cached.plane = wide;
+      cached.valid = true;
+    }
+  }
+}
+
+/// False when the points around the slot are no plane.
+bool PlaneMap::fit(std::uint32_t slot, const Neighbourhood& neighbourhood, Plane& plane) const {
   std::array<Neighbour, kMostNeighbours> neighbours;
-  const std::size_t found = tree_.nearest(
-      p_odom, {neighbours.data(), std::min<std::size_t>(config_.max_neighbours, kMostNeighbours)},
-      config_.neighbour_radius_m);
   const Eigen::Vector3f origin = tree_.point(slot);
+  const std::size_t most = std::min<std::size_t>(neighbourhood.voxels, kMostNeighbours);
+  const std::size_t found = tree_.nearest(origin, {neighbours.data(), most}, neighbourhood.radius_m);
   double count = 0.0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
@@ -86,30 +103,33 @@ void PlaneMap::fit(const Eigen::Vector3f& p_odom, std::uint32_t slot, CachedPlan
     sum += s + m.count * d;
     count += m.count;
   }
-  cached.valid = false;
-  cached.voxel_count = moments_[slot].count;
-  cached.fitted_at = scan_;
-  if (count < config_.min_plane_points) return;
+  if (count < config_.min_plane_points) return false;
   const Eigen::Vector3d mean = sum / count;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(square / count - mean * mean.transpose());
   const Eigen::Vector3d variance = solver.eigenvalues().cwiseMax(1e-8);
-  const auto squared = [](double x) { return x * x; };
-  if (variance[0] > squared(config_.max_plane_thickness_m) || variance[1] < squared(config_.min_plane_extent_m)) return;
-  cached.valid = true;
-  cached.plane = {origin + mean.cast<float>(),
-                  solver.eigenvectors().col(0).cast<float>(),
-                  solver.eigenvectors().col(2).cast<float>(),
-                  static_cast<float>(variance[0]),
-                  static_cast<float>(variance[2]),
-                  static_cast<float>(variance[1]),
-                  static_cast<float>(count)};
+  if (variance[0] > squared(config_.max_plane_thickness_m) || variance[1] < squared(config_.min_plane_extent_m)) {
+    return false;
+  }
+  plane = {origin + mean.cast<float>(),
+           solver.eigenvectors().col(0).cast<float>(),
+           solver.eigenvectors().col(2).cast<float>(),
+           static_cast<float>(variance[0]),
+           static_cast<float>(variance[2]),
+           static_cast<float>(variance[1]),
+           static_cast<float>(count)};
+  return plane.tilt_variance() < squared(config_.max_tilt_rad);
 }
 
 void PlaneMap::maintain(const Eigen::Vector3f& p_odom_vehicle) {
+  constexpr float kNearlyFull = 0.9F;
+  constexpr float kShrink = 0.98F;
+  constexpr float kGrow = 1.002F;
   ++scan_;
   tree_.rebalance(kRebalanceWork);
-  const Eigen::Vector3f reach = Eigen::Vector3f::Constant(config_.max_distance_m);
+  const bool nearly_full = static_cast<float>(tree_.size()) > kNearlyFull * static_cast<float>(config_.max_voxels);
+  reach_m_ = std::clamp(reach_m_ * (nearly_full ? kShrink : kGrow), config_.min_distance_m, config_.max_distance_m);
+  const Eigen::Vector3f reach = Eigen::Vector3f::Constant(reach_m_);
   tree_.remove_outside({p_odom_vehicle - reach, p_odom_vehicle + reach}, kRemovalWork);
 }
 

@@ -9,13 +9,22 @@
 
 namespace slamd {
 
+/// The voxels around a place that make its plane.
+struct Neighbourhood {
+  std::uint32_t voxels;
+  float radius_m;
+};
+
 struct PlaneMapConfig {
-  float voxel_size_m = 0.5F;
-  std::uint32_t max_voxels = 300'000;
-  float max_distance_m = 1000.0F;    // half the cube that is kept around the vehicle
-  float neighbour_radius_m = 1.2F;   // of a query; no plane reaches further
-  std::uint32_t max_neighbours = 5;
-  std::uint32_t max_voxel_weight = 40;   // a voxel is frozen when it holds so many points: the old map anchors the new
+  float voxel_size_m = 0.6F;
+  std::uint32_t max_voxels = 450'000;
+  float max_distance_m = 500.0F;     // half the cube that is kept around the vehicle; less when the map is nearly full
+  float min_distance_m = 80.0F;
+  Neighbourhood near{5, 1.4F};
+  Neighbourhood wide{16, 2.5F};      // tried where the near one does not fix the tilt: one ring is a line, two are a plane
+  float near_tilt_rad = 0.04F;
+  float max_tilt_rad = 0.05F;         // standard deviation of a normal beyond which a plane is none
+  std::uint32_t max_voxel_weight = 100;   // a voxel is frozen when it holds so many points: the old map anchors the new
   std::uint32_t min_plane_points = 6;
   float max_plane_thickness_m = 0.15F;   // RMS distance of the points from their plane
   float min_plane_extent_m = 0.12F;      // RMS extent along the narrower side
@@ -66,9 +75,11 @@ class PlaneMap {
   };
 
   bool is_fresh(const CachedPlane& cached, std::uint32_t slot) const;
-  void fit(const Eigen::Vector3f& p_odom, std::uint32_t slot, CachedPlane& cached);
+  void fit(std::uint32_t slot, CachedPlane& cached);
+  bool fit(std::uint32_t slot, const Neighbourhood& neighbourhood, Plane& plane) const;
 
   PlaneMapConfig config_;
+  float reach_m_;
   IkdTree tree_;
   std::vector<Moments> moments_;
   std::vector<CachedPlane> planes_;

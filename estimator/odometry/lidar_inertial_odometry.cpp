@@ -68,13 +68,17 @@ const ScanResult* LidarInertialOdometry::fuse() {
   const InertialState before = filter_.state;
   const double elapsed_s = to_seconds(pending_.end - filter_.time);
   carry_to(pending_);
+  finished(Stage::kPropagate);
   registration_.deskew(pending_, filter_.state.T_imu_lidar);
+  finished(Stage::kDeskew);
   absorb(pending_);
+  finished(Stage::kInsert);
   if (progress_.coasted) estimate_rate(before, elapsed_s);
   result_.snapshot = filter_;
   result_.state = base_state(filter_, geometry_.T_base_imu);
   judge();
   collect_keyframe(pending_);
+  finished(Stage::kKeyframe);
   return &result_;
 }
 
@@ -88,7 +92,7 @@ bool LidarInertialOdometry::initialise(const Scan& scan) {
   } else {
     initial = initial_state_without_imu(scan.begin, config_.initialisation, geometry_.T_base_imu, T_imu_lidar);
   }
-  filter_ = initial.filter;
+  filter_ = initial_ = initial.filter;
   progress_.initialised = true;
   progress_.moving_start_left = initial.at_rest ? 0 : config_.moving_start_scans;
   initialisation_.clear();
@@ -115,25 +119,39 @@ void LidarInertialOdometry::carry_to(const Scan& scan) {
 /// Update and insertion, or the beginning of a map where there is none to compare with.
 void LidarInertialOdometry::absorb(const Scan& scan) {
   const bool first = registration_.map().size() == 0;
-  if (!first) result_.update = registration_.update(filter_);
+  if (!first) result_.update = registration_.update(scan, filter_, listener_);
+  finished(Stage::kSolve);
   const bool fused = result_.update.fused;
   if (!first) fused ? ++stats_.scans_fused : ++stats_.scans_unfused;
   progress_.unfused = fused || first ? 0 : progress_.unfused + 1;
   progress_.last_scan = scan.end;
-  if (progress_.unfused > config_.max_unfused_scans) begin_map_here();
-  if (progress_.moving_start_left > 0 && fused && --progress_.moving_start_left == 0) begin_map_here();
+  const bool velocity_unknown = progress_.moving_start_left > 0 && fused;
+  if (velocity_unknown) keep_velocity_only();
+  if (first || velocity_unknown || progress_.unfused > config_.max_unfused_scans) begin_map_here();
   if (first || progress_.unfused == 0) registration_.insert(filter_.state);
   ++progress_.scans;
 }
 
+/// While the velocity is being found scans are skewed by what is wrong with it, so each is compared with the one before
+/// only, and what the filter learns from them of biases and gravity is not kept.
+void LidarInertialOdometry::keep_velocity_only() {
+  --progress_.moving_start_left;
+  filter_.state.gyro_bias = initial_.state.gyro_bias;
+  filter_.state.accel_bias = initial_.state.accel_bias;
+  filter_.state.gravity = initial_.state.gravity;
+  filter_.covariance = initial_.covariance;
+  const double variance = config_.found_velocity_sigma_mps * config_.found_velocity_sigma_mps;
+  filter_.covariance.diagonal().segment<3>(I::kVelocity).setConstant(variance);
+}
+
 /// Forgets the local map. What the pose does not know of itself from now on is the new map's own uncertainty.
 void LidarInertialOdometry::begin_map_here() {
+  if (registration_.map().size() > 0) ++stats_.map_restarts;
   registration_.clear_map();
   filter_.map_covariance = base_state(filter_, geometry_.T_base_imu).covariance;
   filter_.covariance.topRows<6>().setZero();
   filter_.covariance.leftCols<6>().setZero();
   progress_.unfused = 0;
-  ++stats_.map_restarts;
 }
 
 /// Without gyro the body rate is what turned the vehicle from one posterior to the next.

@@ -22,6 +22,7 @@ struct OdometryConfig {
   double lost_sigma_m = 5.0;           // and beyond which it is LOST
   std::uint32_t max_unfused_scans = 20;    // in a row, then a new local map is begun where we believe to be
   std::uint32_t moving_start_scans = 4;    // until velocity is known and the map is begun anew
+  double found_velocity_sigma_mps = 0.7;   // and how well it is known then
   double keyframe_distance_m = 1.5;
   double keyframe_angle_rad = 0.1745;
 };
@@ -60,6 +61,9 @@ class LidarInertialOdometry {
   /// The de-skewed points of the newest keyframe, base frame at its scan's end. Valid until the next step().
   const PointCloud& keyframe_points() const { return keyframe_points_; }
 
+  /// Hears of every stage from now on; must outlive the odometry. Null: nobody.
+  void set_stage_listener(StageListener* listener) { listener_ = listener; }
+
   const OdometryStats& stats() const { return stats_; }
   const PlaneMap& map() const { return registration_.map(); }
 
@@ -71,10 +75,12 @@ class LidarInertialOdometry {
   const ScanResult* pass_time();
   void carry_to(const Scan& scan);
   void absorb(const Scan& scan);
+  void keep_velocity_only();
   void begin_map_here();
   void estimate_rate(const InertialState& before, double elapsed_s);
   void judge();
   void collect_keyframe(const Scan& scan);
+  void finished(Stage stage) const { if (listener_ != nullptr) listener_->finished(stage); }
 
   struct Progress {
     bool initialised = false;
@@ -97,12 +103,14 @@ class LidarInertialOdometry {
   DeadReckoning dead_reckoning_;
   ScanRegistration registration_;
   FilterSnapshot filter_;
+  FilterSnapshot initial_;
   Progress progress_;
   std::optional<Pose> last_keyframe_;  // T_odom_base
   HostTime now_;
   ScanResult result_;
   PointCloud keyframe_points_;
   OdometryStats stats_;
+  StageListener* listener_ = nullptr;
 };
 
 }  // namespace slamd

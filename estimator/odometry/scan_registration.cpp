@@ -27,8 +27,14 @@ void ScanRegistration::deskew(const Scan& scan, const Pose& T_imu_lidar) {
   for (std::size_t i = 0; i < most; ++i) chosen_.push_back(deskewed_[i * deskewed_.size() / most]);
 }
 
-UpdateSummary ScanRegistration::update(FilterSnapshot& filter) {
-  return slamd::update(config_.update, chosen_, residuals_, map_, filter);
+UpdateSummary ScanRegistration::update(const Scan& scan, FilterSnapshot& filter, StageListener* listener) {
+  const Pose T_odom_prior = filter.state.T_odom_imu();
+  const UpdateSummary summary = slamd::update(config_.update, chosen_, residuals_, map_, filter, listener);
+  if (summary.fused) {
+    motion_.bend(T_odom_prior.inverse() * filter.state.T_odom_imu());
+    deskew(scan, filter.state.T_imu_lidar);
+  }
+  return summary;
 }
 
 void ScanRegistration::insert(const InertialState& state) {

@@ -12,7 +12,7 @@ struct ScanRegistrationConfig {
   PlaneMapConfig map;
   PointToPlaneConfig point_to_plane;
   IeskfConfig update;
-  std::uint32_t max_points = 4'000;   // segments that take part in one update, evenly chosen
+  std::uint32_t max_points = 2'500;   // segments that take part in one update, evenly chosen
 };
 
 class ScanRegistration {
@@ -25,8 +25,9 @@ class ScanRegistration {
   ScanMotion& motion() { return motion_; }
   /// Moves the scan's segments to the scan's end. Once a scan, before update() and insert().
   void deskew(const Scan& scan, const Pose& T_imu_lidar);
-  /// Fuses the de-skewed segments; see slamd::update.
-  UpdateSummary update(FilterSnapshot& filter);
+  /// Fuses the de-skewed segments; see slamd::update. When it did, the segments are de-skewed anew by the motion that the
+  /// posterior implies.
+  UpdateSummary update(const Scan& scan, FilterSnapshot& filter, StageListener* listener);
   /// Adds the de-skewed segments to the map at the filter's pose.
   void insert(const InertialState& state);
 
