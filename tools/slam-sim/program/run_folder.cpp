@@ -2,7 +2,7 @@
 
 #include "tools/slam-sim/output/drive_folder.hpp"
 #include "tools/slam-sim/output/stop_signals.hpp"
-#include "tools/slam-sim/program/progress.hpp"
+#include "tools/progress/progress.hpp"
 #include "tools/slam-sim/program/run.hpp"
 
 namespace slamd::sim {

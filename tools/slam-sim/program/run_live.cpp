@@ -10,7 +10,7 @@
 #include "tools/slam-sim/output/slice_queue.hpp"
 #include "tools/slam-sim/output/stop_signals.hpp"
 #include "tools/slam-sim/output/udp_sender.hpp"
-#include "tools/slam-sim/program/progress.hpp"
+#include "tools/progress/progress.hpp"
 #include "tools/slam-sim/program/run.hpp"
 
 namespace slamd::sim {

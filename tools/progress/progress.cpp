@@ -1,11 +1,11 @@
-#include "tools/slam-sim/program/progress.hpp"
+#include "tools/progress/progress.hpp"
 
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
 
-namespace slamd::sim {
+namespace slamd {
 
 using Clock = std::chrono::steady_clock;
 
@@ -35,4 +35,4 @@ void Progress::finish(const std::string& message) {
   if (!quiet_) std::fprintf(stderr, "%s%s\n", terminal_ ? "\r\x1b[K" : "", message.c_str());
 }
 
-}  // namespace slamd::sim
+}  // namespace slamd

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string>
 
-namespace slamd::sim {
+namespace slamd {
 
 class Progress {
  public:
@@ -22,4 +22,4 @@ class Progress {
   std::chrono::steady_clock::time_point begin_, next_;
 };
 
-}  // namespace slamd::sim
+}  // namespace slamd

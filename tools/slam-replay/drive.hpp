@@ -1,0 +1,68 @@
+#pragma once
+// A drive folder as one stream of events in order of arrival: the same drivers and the same merge as the daemon's, on
+// recorded bytes.
+
+#include <fstream>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "daemon/threads/event_merge.hpp"
+#include "drivers/gnss/nmea_parser.hpp"
+#include "drivers/imu/imu_csv_reader.hpp"
+#include "drivers/io/pcap_source.hpp"
+#include "drivers/velodyne/vlp16_decoder.hpp"
+#include "tools/slam-replay/gps_csv_reader.hpp"
+
+namespace slamd::replay {
+
+struct DriveConfig {
+  Vlp16Config vlp16;
+  SampleClock::Config imu_clock;
+  NmeaParser::Config nmea = NmeaParser::Config::defaults();
+  std::uint16_t lidar_port = 2368;
+  bool with_gps = true;
+};
+
+/// Nothing came for a while, up to this instant.
+struct Silence {
+  HostTime until;
+};
+
+/// One event; a packet stays valid until the next one is asked for. std::monostate: the drive is over.
+using Event = std::variant<std::monostate, Silence, ImuSample, const LidarPacket*, GnssFix>;
+
+/// Any of lidar.pcap, imu.csv, gps.csv may be missing.
+class Drive {
+ public:
+  Drive(const std::string& folder, const DriveConfig& config);
+
+  Event next();
+  /// Bytes of lidar.pcap read so far, 0..1; 0 without one.
+  double progress() const;
+
+  bool has_lidar() const { return pcap_.has_value(); }
+  bool has_imu() const { return imu_reader_.has_value(); }
+  bool has_gps() const { return gps_reader_.has_value(); }
+  const Vlp16Stats& lidar_stats() const { return decoder_.stats(); }
+  const PcapStats* pcap_stats() const { return pcap_ ? &pcap_->stats() : nullptr; }
+  const ImuCsvReader* imu_reader() const { return imu_reader_ ? &*imu_reader_ : nullptr; }
+  const GpsCsvReader* gps_reader() const { return gps_reader_ ? &*gps_reader_ : nullptr; }
+
+ private:
+  void refill();
+  const LidarPacket* next_packet();
+
+  DriveConfig config_;
+  std::ifstream imu_file_, gps_file_;
+  std::optional<ImuCsvReader> imu_reader_;
+  std::optional<GpsCsvReader> gps_reader_;
+  std::optional<PcapSource> pcap_;
+  Vlp16Decoder decoder_;
+  EventMerge merge_{EventMergeConfig{}};
+  std::optional<ImuSample> imu_;
+  std::optional<GnssFix> fix_;
+  const LidarPacket* packet_ = nullptr;
+};
+
+}  // namespace slamd::replay

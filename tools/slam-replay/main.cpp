@@ -1,0 +1,97 @@
+// slam-replay: a recorded drive through slamd's estimator.
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+
+#include "daemon/config/config.hpp"
+#include "daemon/store/cloud_file.hpp"
+#include "tools/slam-replay/replay.hpp"
+
+namespace {
+
+using namespace slamd;
+
+enum ExitCode { kOk = 0, kBadDrive = 1, kBadConfig = 2, kCannotWrite = 3 };
+
+struct Options {
+  std::string drive, config, out;
+  std::vector<std::string> overrides;
+  bool no_gps = false, no_loops = false, quiet = false;
+};
+
+bool tell(const ConfigFaults& faults) {
+  for (const std::string& fault : faults) std::fprintf(stderr, "slam-replay: %s\n", fault.c_str());
+  return !faults.empty();
+}
+
+replay::DriveConfig drive_config(const Config& config, const Options& options) {
+  replay::DriveConfig drive;
+  drive.vlp16 = config.vlp16;
+  drive.imu_clock.min_latency = config.imu_frames.clock.min_latency;
+  drive.nmea = config.nmea;
+  drive.lidar_port = config.lidar.port;
+  drive.with_gps = !options.no_gps;
+  return drive;
+}
+
+bool write_text(const std::string& text, const std::string& path) {
+  const Result<UniqueFd> file = text_memfd(text);
+  return file && save_atomically(file->get(), path);
+}
+
+bool write_map(replay::Replay& replay, const std::string& path, std::uint64_t& points) {
+  const MapSnapshot snapshot = replay.map().snapshot({});
+  points = snapshot.points.size();
+  if (snapshot.points.empty()) return true;
+  const Result<UniqueFd> file = cloud_memfd(snapshot.points, CloudFormat::kPcd);
+  return file && save_atomically(file->get(), path);
+}
+
+int run(const Options& options) {
+  Loaded<Config> config = load_config(options.config, options.overrides);
+  if (tell(config.faults)) return kBadConfig;
+  const std::string vehicle_path = options.drive + "/vehicle.yaml";
+  if (std::filesystem::exists(vehicle_path)) {
+    const Loaded<VehicleGeometry> vehicle = load_vehicle(vehicle_path);
+    if (tell(vehicle.faults)) return kBadConfig;
+    config.value.vehicle = vehicle.value;
+  }
+  replay::Drive drive{options.drive, drive_config(config.value, options)};
+  if (!drive.has_lidar() && !drive.has_imu()) {
+    std::fprintf(stderr, "slam-replay: %s: no lidar.pcap and no imu.csv that can be read there\n",
+                 options.drive.c_str());
+    return kBadDrive;
+  }
+  replay::Output output{options.out};
+  replay::Replay replay{config.value.vehicle, config.value.odometry, config.value.map};
+  Progress progress{"replay", 1.0, options.quiet};
+  replay.run(drive, output, progress);
+  replay::Report report = replay.report();
+  const bool written = output.finish() && write_map(replay, output.path("map.pcd"), report.map_points) &&
+                       write_text(to_json(report, replay.times(), drive, replay.stats()), output.path("report.json"));
+  if (!written) {
+    std::fprintf(stderr, "slam-replay: %s: cannot write there (permission? disk full?)\n", options.out.c_str());
+    return kCannotWrite;
+  }
+  progress.finish(std::to_string(report.scans) + " scans, " + std::to_string(report.map_points) +
+                  " map points, written to " + options.out);
+  return kOk;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{"Runs a recorded drive through slamd's estimator as fast as possible.\n"
+               "Writes odom.tum (one pose a scan), imu_rate.tum, covariance.csv, map.pcd and report.json."};
+  app.add_option("DRIVE", options.drive, "drive folder: lidar.pcap, imu.csv, gps.csv, vehicle.yaml")->required();
+  app.add_option("--config", options.config, "slamd.yaml; without it the defaults");
+  app.add_option("--out", options.out, "folder for the results, made when missing")->required();
+  app.add_option("--set", options.overrides, "key=value over the configuration, may be repeated");
+  app.add_flag("--no-gps", options.no_gps, "leave gps.csv unread");
+  app.add_flag("--no-loops", options.no_loops, "no loop closure (there is none in this version)");
+  app.add_flag("--quiet", options.quiet, "no progress bar");
+  CLI11_PARSE(app, argc, argv);
+  return run(options);
+}

@@ -1,0 +1,67 @@
+#include "tools/slam-replay/replay.hpp"
+
+namespace slamd::replay {
+
+Replay::Replay(const VehicleGeometry& vehicle, const OdometryConfig& odometry, const MapStoreConfig& map)
+    : odometry_{vehicle, odometry}, predictor_{vehicle, odometry.dead_reckoning}, map_{map} {
+  odometry_.set_stage_listener(&times_);
+}
+
+void Replay::run(Drive& drive, Output& output, Progress& progress) {
+  const auto begin = std::chrono::steady_clock::now();
+  while (take(drive.next(), output)) {
+    step(output);
+    progress.show(drive.progress());
+  }
+  // Nothing more will come: the last scan's deadline passes.
+  odometry_.advance(last_ + std::chrono::milliseconds{200});
+  step(output);
+  report_.drive = last_ - first_;
+  report_.wall = std::chrono::steady_clock::now() - begin;
+}
+
+bool Replay::take(const Event& event, Output& output) {
+  const auto note = [this](HostTime arrival) {
+    if (first_ == HostTime{}) first_ = arrival;
+    last_ = std::max(last_, arrival);
+  };
+  if (const auto* sample = std::get_if<ImuSample>(&event)) {
+    note(sample->arrival);
+    odometry_.add(*sample);
+    const NavState state = predictor_.add(*sample);
+    if (state.status != TrackingStatus::kInitialising) output.imu_rate(state);
+  } else if (const auto* packet = std::get_if<const LidarPacket*>(&event)) {
+    note((*packet)->arrival);
+    odometry_.add(**packet);
+  } else if (const auto* fix = std::get_if<GnssFix>(&event)) {
+    note(fix->arrival);
+    ++report_.fixes;
+  } else if (const auto* silence = std::get_if<Silence>(&event)) {
+    odometry_.advance(silence->until);
+  }
+  return !std::holds_alternative<std::monostate>(event);
+}
+
+void Replay::step(Output& output) {
+  times_.begin_scan();
+  const ScanResult* result = odometry_.step();
+  if (result == nullptr) return;
+  if (result->has_scan) times_.end_scan();
+  keep(*result, output);
+}
+
+void Replay::keep(const ScanResult& result, Output& output) {
+  const NavState& state = result.state;
+  const bool changed = report_.status.empty() || report_.status.back().status != state.status ||
+                       report_.status.back().reasons != state.reasons;
+  if (changed) report_.status.push_back({state.time, state.status, state.reasons});
+  if (state.status == TrackingStatus::kInitialising) return;
+  predictor_.correct(result.snapshot, state);
+  report_.last = state;
+  if (!result.has_scan) return;
+  ++report_.scans;
+  output.scan(state);
+  if (result.is_keyframe) map_.add({report_.keyframes++, state, odometry_.keyframe_points()});
+}
+
+}  // namespace slamd::replay

@@ -1,0 +1,109 @@
+#include "tools/slam-replay/report.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/health/process_memory.hpp"
+
+namespace slamd::replay {
+
+using Json = nlohmann::ordered_json;
+
+void StageTimes::begin_scan() {
+  now_.fill(Duration::zero());
+  begin_ = last_ = Clock::now();
+}
+
+void StageTimes::finished(Stage stage) {
+  const Clock::time_point now = Clock::now();
+  now_[static_cast<std::size_t>(stage)] += now - last_;
+  last_ = now;
+}
+
+void StageTimes::end_scan() {
+  scan_->record(Clock::now() - begin_);
+  for (std::size_t i = 0; i < kStages; ++i) (*stages_)[i].record(now_[i]);
+}
+
+namespace {
+
+Json milliseconds(const Histogram& histogram) {
+  const Percentiles p = histogram.percentiles();
+  const auto ms = [](Duration d) { return to_seconds(d) * 1e3; };
+  return {{"p50", ms(p.p50)}, {"p90", ms(p.p90)}, {"p99", ms(p.p99)}, {"p999", ms(p.p999)}, {"max", ms(p.max)}};
+}
+
+Json names_of(std::uint32_t reasons) {
+  Json names = Json::array();
+  for (std::uint32_t i = 0; i < 32; ++i) {
+    if ((reasons >> i & 1U) != 0) names.push_back(name(static_cast<StatusReason>(1U << i)));
+  }
+  return names;
+}
+
+Json status_line(const Report& report) {
+  Json line = Json::array();
+  for (const StatusChange& change : report.status) {
+    line.push_back({{"t_s", to_seconds(change.time.time_since_epoch())},
+                    {"status", name(change.status)},
+                    {"reasons", names_of(change.reasons)}});
+  }
+  return line;
+}
+
+Json drops(const Drive& drive, const OdometryStats& stats) {
+  Json out{{"lidar_packets_lost", drive.lidar_stats().lost}, {"scans_late", stats.scans_late}};
+  if (drive.imu_reader() != nullptr) out["imu_samples_missing"] = drive.imu_reader()->clock().missing();
+  return out;
+}
+
+Json rejections(const Drive& drive, const OdometryStats& stats) {
+  Json out;
+  const auto add = [&out](const char* group) {
+    return [&out, group](const char* cause, std::uint64_t count) { out[group][cause] = count; };
+  };
+  drive.lidar_stats().rejections.for_each(add("lidar"));
+  if (drive.pcap_stats() != nullptr) {
+    drive.pcap_stats()->rejections.for_each(add("pcap"));
+    out["pcap"]["unreadable_bytes"] = drive.pcap_stats()->unreadable_bytes;
+  }
+  if (const ImuCsvReader* imu = drive.imu_reader()) {
+    out["imu"] = {{"bad_lines", imu->stats().bad_lines},
+                  {"out_of_range", imu->stats().out_of_range},
+                  {"backward", imu->stats().backward},
+                  {"out_of_order", stats.imu_rejected}};
+  }
+  if (const GpsCsvReader* gps = drive.gps_reader()) {
+    out["gps"] = {{"bad_lines", gps->bad_lines()}, {"stale", gps->parser().stats().stale}};
+  }
+  out["scans_unfused"] = stats.scans_unfused;
+  return out;
+}
+
+}  // namespace
+
+std::string to_json(const Report& report, const StageTimes& times, const Drive& drive, const OdometryStats& stats) {
+  constexpr double kMegabyte = 1024.0 * 1024.0;
+  Json out{{"scans", report.scans},
+           {"duration_s", to_seconds(report.drive)},
+           {"realtime_factor", to_seconds(report.drive) / std::max(1e-9, to_seconds(report.wall))},
+           {"peak_rss_mb", static_cast<double>(process_memory().peak_bytes) / kMegabyte},
+           {"scan_ms", milliseconds(times.scan())}};
+  for (std::size_t i = 0; i < kStages; ++i) {
+    const Stage stage = static_cast<Stage>(i);
+    out["stages_ms"][name(stage)] = milliseconds(times.stage(stage));
+  }
+  out["scans_fused"] = stats.scans_fused;
+  out["map_restarts"] = stats.map_restarts;
+  out["keyframes"] = report.keyframes;
+  out["map_points"] = report.map_points;
+  out["gps_fixes"] = report.fixes;
+  out["drops"] = drops(drive, stats);
+  out["rejections"] = rejections(drive, stats);
+  out["status"] = status_line(report);
+  const Matrix6d& p = report.last.covariance;
+  out["final_sigma"] = {{"position_m", {std::sqrt(p(0, 0)), std::sqrt(p(1, 1)), std::sqrt(p(2, 2))}},
+                        {"attitude_rad", {std::sqrt(p(3, 3)), std::sqrt(p(4, 4)), std::sqrt(p(5, 5))}}};
+  return out.dump(1) + "\n";
+}
+
+}  // namespace slamd::replay
