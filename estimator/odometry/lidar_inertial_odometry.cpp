@@ -148,7 +148,9 @@ void LidarInertialOdometry::keep_velocity_only() {
 void LidarInertialOdometry::begin_map_here() {
   if (registration_.map().size() > 0) ++stats_.map_restarts;
   registration_.clear_map();
-  filter_.map_covariance = base_state(filter_, geometry_.T_base_imu).covariance;
+  // The first map defines odom: a velocity that is not known yet must not count as drift of its origin for ever.
+  const bool defines_odom = progress_.scans == 0;
+  filter_.map_covariance = defines_odom ? Matrix6d{Matrix6d::Zero()} : base_state(filter_, geometry_.T_base_imu).covariance;
   filter_.covariance.topRows<6>().setZero();
   filter_.covariance.leftCols<6>().setZero();
   progress_.unfused = 0;
