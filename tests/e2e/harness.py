@@ -50,7 +50,7 @@ class Process:
 class Client:
     """JSON-RPC 2.0 over the daemon's socket, one object a line."""
 
-    def __init__(self, path, timeout_s=10.0):
+    def __init__(self, path, timeout_s=30.0):
         self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         self.socket.settimeout(timeout_s)
         try:
@@ -124,7 +124,7 @@ class EndToEndTest(unittest.TestCase):
 
     def start_daemon(self, *extra):
         daemon = self.start("slamd", [*self.daemon_arguments(), *extra])
-        self.client = self.await_value("the socket", lambda: self.connect(daemon), 20.0)
+        self.client = self.await_value("the socket", lambda: self.connect(daemon), 60.0)
         return daemon
 
     def connect(self, daemon):
@@ -151,7 +151,7 @@ class EndToEndTest(unittest.TestCase):
         outputs = "\n".join(process.output()[-3000:] for process in self.processes)
         return self.fail(f"waited {timeout_s} s for {what}\n{outputs}")
 
-    def await_pose(self, what, accept, timeout_s=30.0):
+    def await_pose(self, what, accept, timeout_s=60.0):
         def attempt():
             pose = self.client.pose()
             return pose if pose and accept(pose) else None
@@ -159,7 +159,5 @@ class EndToEndTest(unittest.TestCase):
         return self.await_value(what, attempt, timeout_s)
 
     def assert_stops_cleanly(self, daemon):
-        begin = time.monotonic()
         daemon.send(signal.SIGTERM)
-        self.assertEqual(daemon.wait(10.0), 0, daemon.output())
-        return time.monotonic() - begin
+        self.assertEqual(daemon.wait(30.0), 0, daemon.output())

@@ -71,7 +71,7 @@ Config config_in(const TemporaryFolder& folder) {
 }
 
 Simulator simulator_in(const TemporaryFolder& folder) {
-  return Simulator{{SLAMD_SLAM_SIM, "--live", "--quiet", "--duration", "60", "--rest", "3", "--udp-host", "127.0.0.1",
+  return Simulator{{SLAMD_SLAM_SIM, "--live", "--quiet", "--duration", "180", "--rest", "3", "--udp-host", "127.0.0.1",
                     "--lidar-port", std::to_string(kLidarPort), "--position-port", std::to_string(kPositionPort),
                     "--imu-pty", folder.file("imu"), "--gps-pty", folder.file("gnss")}};
 }
@@ -85,10 +85,10 @@ bool thread_runs(const std::string& name) {
   return false;
 }
 
-/// Looks at the app every tenth of a second until `done` or a minute has passed.
+/// Looks at the app every tenth of a second until `done` or three minutes have passed.
 template <class Done>
 bool supervise_until(App& app, const Done& done) {
-  for (int i = 0; i < 600; ++i) {
+  for (int i = 0; i < 1'800; ++i) {
     if (done()) return true;
     if (!app.supervise()) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds{100});
