@@ -55,7 +55,7 @@ function(slamd_test name)
   target_compile_definitions(${name} PRIVATE SLAMD_SHARED_DATA="${PROJECT_SOURCE_DIR}/../shared/data"
                              SLAMD_SOURCE_DIR="${PROJECT_SOURCE_DIR}" SLAMD_BINARY_DIR="${PROJECT_BINARY_DIR}")
   add_test(NAME ${name} COMMAND ${name})
-  set_tests_properties(${name} PROPERTIES TIMEOUT 300 LABELS "${ARG_LABELS}")
+  set_tests_properties(${name} PROPERTIES TIMEOUT 900 LABELS "${ARG_LABELS}")
 endfunction()
 
 # slamd_fuzzer(<name> LINKS target...): libFuzzer binary from <name>.cpp with its corpus folder corpus/<name>.
