@@ -103,7 +103,7 @@ TEST(Config, EveryFaultIsReportedNotOnlyTheFirst) {
 TEST(Config, AFaultyValueLeavesTheDefault) {
   Config config;
   EXPECT_FALSE(read_yaml_text("f", "real_time: {imu_priority: 1000}", config_fields(config)).empty());
-  EXPECT_EQ(config.real_time.imu_priority, Config{}.real_time.imu_priority);
+  EXPECT_EQ(config.real_time.imu_priority, RealTimeConfig{}.imu_priority);
 }
 
 TEST(Config, OverridesWinOverTheFile) {
