@@ -85,12 +85,18 @@ Matrix6d inverse_or_huge(const Matrix6d& information) {
 
 }  // namespace
 
+double information_share(const IeskfConfig& config, std::uint32_t map_scans) {
+  const double age = std::min(1.0, static_cast<double>(map_scans) / config.mature_scans);
+  return config.information_scale * age * age;
+}
+
 UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> points, PointToPlane& residuals,
                      PlaneMap& map, FilterSnapshot& filter, StageListener* listener) {
   UpdateSummary summary;
   const InertialState prior = filter.state;
   InertialState state = prior;
   InertialState associated_at = prior;
+  const double share = information_share(config, map.scans());
   Step step{ErrorVector::Zero(), filter.covariance};
   const bool sure = position_sigma(filter.covariance) < config.associate_again_m;
   const std::uint32_t max_iterations = sure ? config.max_iterations : config.max_iterations_unsure;
@@ -113,7 +119,7 @@ UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> p
         free_directions(config, scan, I::kPosition, I::kAttitude, scan.normal_noise);
     const FreeDirections attitudes =
         free_directions(config, scan, I::kAttitude, I::kPosition, scan.normal_noise_rotation);
-    step = solve(scan, config.information_scale, boxminus(state, prior), filter.covariance);
+    step = solve(scan, share, boxminus(state, prior), filter.covariance);
     if (!step.error.allFinite()) return summary;
     state = boxplus(state, step.error);
     converged = step.error.segment<3>(I::kPosition).norm() < config.converged_translation_m &&
@@ -122,7 +128,7 @@ UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> p
     summary.free_rotations = attitudes.count;
     summary.free_direction = positions.weakest;
     summary.test_ratio = scan.squared_error / scan.inliers;
-    const MeasuredMatrix information = config.information_scale * scan.information;
+    const MeasuredMatrix information = share * scan.information;
     summary.registration_covariance = inverse_or_huge(information.topLeftCorner<6, 6>());
   }
   filter.state = state;

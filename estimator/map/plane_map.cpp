@@ -136,6 +136,7 @@ void PlaneMap::maintain(const Eigen::Vector3f& p_odom_vehicle) {
 void PlaneMap::clear() {
   const Eigen::Vector3f everywhere = Eigen::Vector3f::Constant(std::numeric_limits<float>::max());
   tree_.remove_box({-everywhere, everywhere}, kRemovalWork);
+  begun_at_ = scan_;
 }
 
 }  // namespace slamd

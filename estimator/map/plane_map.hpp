@@ -59,6 +59,8 @@ class PlaneMap {
   void clear();
 
   std::size_t size() const { return tree_.size(); }
+  /// Calls of maintain() since the map was begun.
+  std::uint32_t scans() const { return scan_ - begun_at_; }
   const IkdTree& tree() const { return tree_; }
 
  private:
@@ -84,6 +86,7 @@ class PlaneMap {
   std::vector<Moments> moments_;
   std::vector<CachedPlane> planes_;
   std::uint32_t scan_ = 0;
+  std::uint32_t begun_at_ = 0;
 };
 
 }  // namespace slamd
