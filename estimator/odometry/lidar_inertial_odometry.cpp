@@ -6,6 +6,16 @@ namespace slamd {
 
 using I = ErrorIndex;
 
+namespace {
+
+bool is_sane(const FilterSnapshot& filter) {
+  const InertialState& state = filter.state;
+  return state.R_odom_imu.coeffs().allFinite() && state.p_odom_imu.allFinite() && state.v_odom_imu.allFinite() &&
+         filter.covariance.allFinite() && (filter.covariance.diagonal().array() >= 0.0).all();
+}
+
+}  // namespace
+
 LidarInertialOdometry::LidarInertialOdometry(const VehicleGeometry& geometry, const OdometryConfig& config)
     : geometry_{geometry},
       config_{config},
@@ -66,6 +76,7 @@ const ScanResult* LidarInertialOdometry::fuse() {
     return nullptr;
   }
   const InertialState before = filter_.state;
+  const Pose T_imu_base = geometry_.T_base_imu.inverse();
   const double elapsed_s = to_seconds(pending_.end - filter_.time);
   carry_to(pending_);
   finished(Stage::kPropagate);
@@ -73,7 +84,10 @@ const ScanResult* LidarInertialOdometry::fuse() {
   finished(Stage::kDeskew);
   absorb(pending_);
   finished(Stage::kInsert);
+  if (!is_sane(filter_)) return start_over();
   if (progress_.coasted) estimate_rate(before, elapsed_s);
+  filter_.map_covariance = carry_drift(config_.map_drift, filter_.map_covariance, before.T_odom_imu() * T_imu_base,
+                                       filter_.state.T_odom_imu() * T_imu_base);
   result_.snapshot = filter_;
   result_.state = base_state(filter_, geometry_.T_base_imu);
   judge();
@@ -114,6 +128,7 @@ void LidarInertialOdometry::carry_to(const Scan& scan) {
   progress_.coasted = before_scan.coasted_s + in_scan.coasted_s > 0.0;
   progress_.clipped = before_scan.clipped || in_scan.clipped;
   progress_.complete_scan = scan.complete;
+  progress_.restarted = false;
 }
 
 /// Update and insertion, or the beginning of a map where there is none to compare with.
@@ -124,10 +139,10 @@ void LidarInertialOdometry::absorb(const Scan& scan) {
   const bool fused = result_.update.fused;
   if (!first) fused ? ++stats_.scans_fused : ++stats_.scans_unfused;
   progress_.unfused = fused || first ? 0 : progress_.unfused + 1;
-  progress_.last_scan = scan.end;
   const bool velocity_unknown = progress_.moving_start_left > 0 && fused;
   if (velocity_unknown) keep_velocity_only();
-  if (first || velocity_unknown || progress_.unfused > config_.max_unfused_scans) begin_map_here();
+  const bool gives_up = progress_.unfused > config_.max_unfused_scans;
+  if (first || velocity_unknown || gives_up) begin_map_here(!gives_up);
   if (first || progress_.unfused == 0) registration_.insert(filter_.state);
   ++progress_.scans;
 }
@@ -144,13 +159,17 @@ void LidarInertialOdometry::keep_velocity_only() {
   filter_.covariance.diagonal().segment<3>(I::kVelocity).setConstant(variance);
 }
 
-/// Forgets the local map. What the pose does not know of itself from now on is the new map's own uncertainty.
-void LidarInertialOdometry::begin_map_here() {
-  if (registration_.map().size() > 0) ++stats_.map_restarts;
+/// Forgets the local map. What the pose does not know of itself from now on is the new map's own uncertainty; a map that
+/// defines odom has none but its own tilt.
+void LidarInertialOdometry::begin_map_here(bool defines_odom) {
   registration_.clear_map();
-  // The first map defines odom: a velocity that is not known yet must not count as drift of its origin for ever.
-  const bool defines_odom = progress_.scans == 0;
-  filter_.map_covariance = defines_odom ? Matrix6d{Matrix6d::Zero()} : base_state(filter_, geometry_.T_base_imu).covariance;
+  const Matrix6d so_far = base_state(filter_, geometry_.T_base_imu).covariance;
+  filter_.map_covariance = first_drift(config_.map_drift);
+  if (!defines_odom) {
+    filter_.map_covariance += so_far;
+    progress_.restarted = true;
+    ++stats_.map_restarts;
+  }
   filter_.covariance.topRows<6>().setZero();
   filter_.covariance.leftCols<6>().setZero();
   progress_.unfused = 0;
@@ -160,6 +179,21 @@ void LidarInertialOdometry::begin_map_here() {
 void LidarInertialOdometry::estimate_rate(const InertialState& before, double elapsed_s) {
   if (!result_.update.fused || elapsed_s <= 0.0) return;
   filter_.angular_velocity_rads = log_so3(before.R_odom_imu.conjugate() * filter_.state.R_odom_imu) / elapsed_s;
+}
+
+/// A state that is no number any more cannot be mended by further measurements: initialise anew.
+const ScanResult* LidarInertialOdometry::start_over() {
+  registration_.clear_map();
+  initialisation_.clear();
+  filter_ = {};
+  filter_.time = pending_.end;
+  progress_ = {};
+  result_ = {};
+  result_.has_scan = true;
+  result_.state.time = result_.snapshot.time = pending_.end;
+  result_.state.reasons = bit(StatusReason::kReset);
+  ++stats_.resets;
+  return &result_;
 }
 
 const ScanResult* LidarInertialOdometry::pass_time() {
@@ -187,11 +221,13 @@ void LidarInertialOdometry::judge() {
   say(update.free_translations > 0, StatusReason::kDegenerateTranslation);
   say(update.free_rotations > 0, StatusReason::kDegenerateRotation);
   say(progress_.unfused > 0, StatusReason::kFewInliers);
-  const double sigma = std::sqrt(state.covariance.topLeftCorner<3, 3>().trace());
+  say(progress_.restarted, StatusReason::kReset);
+  say(update.fused && update.test_ratio > config_.max_test_ratio, StatusReason::kInnovation);
+  // Relative to the map around: drift from odom's origin does not make a pose useless.
   const double local_sigma = std::sqrt(filter_.covariance.block<3, 3>(I::kPosition, I::kPosition).trace());
-  say(sigma > config_.usable_sigma_m, StatusReason::kHighUncertainty);
+  say(local_sigma > config_.usable_sigma_m, StatusReason::kHighUncertainty);
   state.degenerate_direction = update.free_direction;
-  state.lidar_test_ratio = static_cast<float>(update.test_ratio);
+  state.lidar_test_ratio = static_cast<float>(update.test_ratio / config_.max_test_ratio);
   state.status = state.reasons == 0 ? TrackingStatus::kTracking : TrackingStatus::kDegraded;
   if (local_sigma > config_.lost_sigma_m) state.status = TrackingStatus::kLost;
   if (progress_.moving_start_left > 0) state.status = TrackingStatus::kInitialising;

@@ -5,6 +5,7 @@
 #include "estimator/filter/initialisation.hpp"
 #include "estimator/lidar/scan_assembler.hpp"
 #include "estimator/odometry/dead_reckoning.hpp"
+#include "estimator/odometry/map_drift.hpp"
 #include "estimator/odometry/scan_registration.hpp"
 #include "estimator/types/keyframe.hpp"
 
@@ -15,10 +16,12 @@ struct OdometryConfig {
   ScanAssemblerConfig scan;
   DeadReckoningConfig dead_reckoning;
   ScanRegistrationConfig registration;
+  MapDriftConfig map_drift;
   double imu_deadline_s = 0.05;        // a scan waits so long for the IMU to cover it
   double imu_timeout_s = 0.25;         // no sample for so long: DEGRADED no_imu
   double lidar_timeout_s = 0.5;        // no scan for so long: DEGRADED no_lidar
-  double usable_sigma_m = 0.5;         // position sigma beyond which the pose is DEGRADED
+  double max_test_ratio = 4.0;         // mean squared normalised residual beyond which scan and map disagree
+  double usable_sigma_m = 0.5;         // position sigma relative to the local map beyond which the pose is DEGRADED
   double lost_sigma_m = 5.0;           // and beyond which it is LOST
   std::uint32_t max_unfused_scans = 20;    // in a row, then a new local map is begun where we believe to be
   std::uint32_t moving_start_scans = 4;    // until velocity is known and the map is begun anew
@@ -44,6 +47,7 @@ struct OdometryStats {
   std::uint64_t scans_unfused = 0;   // too few inliers or contradiction
   std::uint64_t scans_late = 0;      // older than the filter, or overtaken by the next one
   std::uint64_t map_restarts = 0;
+  std::uint64_t resets = 0;          // the state was no number any more: initialised anew
 };
 
 class LidarInertialOdometry {
@@ -76,7 +80,8 @@ class LidarInertialOdometry {
   void carry_to(const Scan& scan);
   void absorb(const Scan& scan);
   void keep_velocity_only();
-  void begin_map_here();
+  void begin_map_here(bool defines_odom);
+  const ScanResult* start_over();
   void estimate_rate(const InertialState& before, double elapsed_s);
   void judge();
   void collect_keyframe(const Scan& scan);
@@ -90,7 +95,7 @@ class LidarInertialOdometry {
     std::uint32_t moving_start_left = 0;
     std::uint32_t unfused = 0;        // scans in a row
     std::uint64_t scans = 0;          // since the start or the last reset
-    HostTime last_scan;
+    bool restarted = false;           // the newest scan began a new local map
   };
 
   VehicleGeometry geometry_;

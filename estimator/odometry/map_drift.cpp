@@ -1,0 +1,28 @@
+#include "estimator/odometry/map_drift.hpp"
+
+#include "estimator/math/lie.hpp"
+
+namespace slamd {
+
+Matrix6d first_drift(const MapDriftConfig& config) {
+  Matrix6d drift = Matrix6d::Zero();
+  const auto squared = [](double x) { return x * x; };
+  drift.diagonal() << Eigen::Vector3d::Constant(squared(config.first_position_m)), squared(config.first_tilt_rad),
+      squared(config.first_tilt_rad), squared(config.first_heading_rad);
+  return drift;
+}
+
+Matrix6d carry_drift(const MapDriftConfig& config, const Matrix6d& drift, const Pose& T_odom_a, const Pose& T_odom_b) {
+  const Eigen::Vector3d moved = T_odom_b.translation - T_odom_a.translation;
+  Matrix6d J_b_a = Matrix6d::Identity();
+  J_b_a.block<3, 3>(0, 3) = -skew(moved) * T_odom_a.rotation.toRotationMatrix();
+  J_b_a.block<3, 3>(3, 3) = (T_odom_b.rotation.conjugate() * T_odom_a.rotation).toRotationMatrix();
+  Matrix6d out = J_b_a * drift * J_b_a.transpose();
+  const double distance_m = moved.norm();
+  out.diagonal().head<3>().array() += config.position_m_rtm * config.position_m_rtm * distance_m;
+  out.diagonal().tail<3>().array() += config.attitude_rad_rtm * config.attitude_rad_rtm * distance_m;
+  symmetrise(out);
+  return out;
+}
+
+}  // namespace slamd
