@@ -56,10 +56,10 @@ ErrorCovariance transition(const InertialState& state, const ImuInterval& interv
   return F;
 }
 
-void propagate_covariance(const InertialState& state, const ImuInterval& interval, const ImuNoise& noise,
-                          ErrorCovariance& covariance) {
-  const ErrorCovariance F = transition(state, interval);
-  // F differs from the identity in the rows of attitude, position and velocity only.
+namespace {
+
+/// F P F^T + Q, where F differs from the identity in the rows of attitude, position and velocity only.
+void carry(const ErrorCovariance& F, const ImuNoise& noise, double dt, ErrorCovariance& covariance) {
   const Eigen::Matrix<double, 6, I::kSize> pose_rows = F.topRows<6>() * covariance;
   const Eigen::Matrix<double, 3, I::kSize> velocity_rows = F.middleRows<3>(I::kVelocity) * covariance;
   covariance.topRows<6>() = pose_rows;
@@ -69,7 +69,6 @@ void propagate_covariance(const InertialState& state, const ImuInterval& interva
   covariance.leftCols<6>() = pose_columns;
   covariance.middleCols<3>(I::kVelocity) = velocity_columns;
 
-  const double dt = to_seconds(interval.length);
   const auto add = [&](int index, double density, double factor) {
     covariance.diagonal().segment<3>(index).array() += density * density * factor;
   };
@@ -79,6 +78,21 @@ void propagate_covariance(const InertialState& state, const ImuInterval& interva
   add(I::kGyroBias, noise.gyro_bias_walk_rads2_rthz, dt);
   add(I::kAccelBias, noise.accel_bias_walk_mps3_rthz, dt);
   symmetrise(covariance);
+}
+
+}  // namespace
+
+void propagate_covariance(const InertialState& state, const ImuInterval& interval, const ImuNoise& noise,
+                          ErrorCovariance& covariance) {
+  carry(transition(state, interval), noise, to_seconds(interval.length), covariance);
+}
+
+void coast_covariance(const ImuInterval& interval, const ImuNoise& noise, ErrorCovariance& covariance) {
+  const double dt = to_seconds(interval.length);
+  ErrorCovariance F = ErrorCovariance::Identity();
+  F.block<3, 3>(I::kAttitude, I::kAttitude) = exp_so3(-dt * interval.gyro_rads).toRotationMatrix();
+  F.block<3, 3>(I::kPosition, I::kVelocity) = dt * Eigen::Matrix3d::Identity();
+  carry(F, noise, dt, covariance);
 }
 
 }  // namespace slamd

@@ -29,6 +29,10 @@ InertialState propagate(const InertialState& state, const ImuInterval& interval)
 void propagate_covariance(const InertialState& state, const ImuInterval& interval, const ImuNoise& noise,
                           ErrorCovariance& covariance);
 
+/// The same for an interval in which nothing was measured and velocity and body rate are taken as constant: biases and
+/// gravity have no part in it and learn nothing. gyro_rads of the interval is the body rate, its accel is not used.
+void coast_covariance(const ImuInterval& interval, const ImuNoise& noise, ErrorCovariance& covariance);
+
 /// d(error after)/d(error before): for tests and for relative covariances.
 ErrorCovariance transition(const InertialState& state, const ImuInterval& interval);
 

@@ -32,7 +32,11 @@ void DeadReckoning::step(const ImuPiece& piece, FilterSnapshot& filter, DeadReck
     noise.gyro_noise_rads_rthz = config_.clipped_gyro_rads_rthz;
     summary.clipped = true;
   }
-  propagate_covariance(filter.state, interval, noise, filter.covariance);
+  if (piece.measured) {
+    propagate_covariance(filter.state, interval, noise, filter.covariance);
+  } else {
+    coast_covariance({interval.length, filter.angular_velocity_rads, {}}, noise, filter.covariance);
+  }
   filter.state = propagate(filter.state, interval);
   filter.time = piece.to;
 }

@@ -42,10 +42,11 @@ struct ImuPiece {
 };
 
 /// Calls visit(ImuPiece) for the pieces of (from, to] in order. Where two samples are more than max_gap apart, or there
-/// are none, the pieces are not measured and at most coast_step long.
+/// are none, the pieces are not measured and 10 ms long, longer where that would make more than 200 of them.
 template <class Visit>
 void walk(const ImuBuffer& buffer, HostTime from, HostTime to, Duration max_gap, Visit&& visit) {
-  constexpr Duration kCoastStep = std::chrono::milliseconds{10};
+  constexpr int kMostCoastSteps = 200;
+  const Duration coast_step = std::max<Duration>(std::chrono::milliseconds{10}, (to - from) / kMostCoastSteps);
   std::size_t next = buffer.first_after(from);
   while (from < to) {
     const bool has_next = next < buffer.size();
@@ -62,7 +63,7 @@ void walk(const ImuBuffer& buffer, HostTime from, HostTime to, Duration max_gap,
       piece.measured = true;
       piece.clipped = begin.clipped || end.clipped;
     } else {
-      piece.to = std::min(piece_end, from + kCoastStep);
+      piece.to = std::min(piece_end, from + coast_step);
     }
     visit(piece);
     from = piece.to;
