@@ -19,7 +19,7 @@
 namespace slamd {
 
 struct MapStoreConfig {
-  double voxel_size_m = 0.1;                     // of each keyframe; finer detail is not kept
+  double voxel_size_m = 0.2;                     // of each keyframe; finer detail is not kept
   std::size_t byte_budget = 256U * 1024 * 1024;  // of all points; beyond it the oldest keyframes are forgotten
 };
 

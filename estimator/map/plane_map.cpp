@@ -14,6 +14,7 @@ constexpr std::uint32_t kRemovalWork = 2'000;
 constexpr std::uint32_t kMaxPlaneAge = 10;     // scans
 constexpr float kRefitGrowth = 1.15F;
 constexpr std::size_t kMostNeighbours = 16;
+constexpr std::size_t kCachedPlanes = 1U << 17;  // more than the voxels within the LiDAR's reach that have planes
 
 double squared(double x) { return x * x; }
 
@@ -31,7 +32,7 @@ PlaneMap::PlaneMap(const PlaneMapConfig& config)
       reach_m_{config.max_distance_m},
       tree_{IkdTreeConfig{.voxel_size_m = config.voxel_size_m, .max_points = config.max_voxels}},
       moments_(config.max_voxels),
-      planes_(config.max_voxels) {}
+      planes_(kCachedPlanes) {}
 
 void PlaneMap::insert(const Eigen::Vector3f& p_odom) {
   const IkdTree::Insertion insertion = tree_.insert(p_odom);
@@ -39,7 +40,7 @@ void PlaneMap::insert(const Eigen::Vector3f& p_odom) {
   Moments& m = moments_[insertion.slot];
   if (insertion.is_new) {
     m = {};
-    planes_[insertion.slot].voxel_count = -1.0F;
+    planes_[insertion.slot % kCachedPlanes].slot = kNoSlot;
   }
   if (m.count >= static_cast<float>(config_.max_voxel_weight)) return;
   const Eigen::Vector3f d = p_odom - tree_.point(insertion.slot);
@@ -58,19 +59,20 @@ const Plane* PlaneMap::plane_at(const Eigen::Vector3f& p_odom) {
     if (tree_.nearest(p_odom, {&nearest, 1}, config_.near.radius_m) == 0) return nullptr;
     slot = nearest.slot;
   }
-  CachedPlane& cached = planes_[slot];
+  CachedPlane& cached = planes_[slot % kCachedPlanes];
   if (!is_fresh(cached, slot)) fit(slot, cached);
   return cached.valid ? &cached.plane : nullptr;
 }
 
 bool PlaneMap::is_fresh(const CachedPlane& cached, std::uint32_t slot) const {
-  if (cached.voxel_count < 0.0F || moments_[slot].count > kRefitGrowth * cached.voxel_count) return false;
+  if (cached.slot != slot || moments_[slot].count > kRefitGrowth * cached.voxel_count) return false;
   // Where there was no plane, the neighbours may have grown one: only a plane settles.
   const bool settled = cached.valid && moments_[slot].count >= static_cast<float>(config_.max_voxel_weight);
   return settled || scan_ - cached.fitted_at < kMaxPlaneAge;
 }
 
 void PlaneMap::fit(std::uint32_t slot, CachedPlane& cached) {
+  cached.slot = slot;
   cached.voxel_count = moments_[slot].count;
   cached.fitted_at = scan_;
   cached.valid = fit(slot, config_.near, cached.plane);

@@ -17,7 +17,7 @@ struct Neighbourhood {
 
 struct PlaneMapConfig {
   float voxel_size_m = 0.6F;
-  std::uint32_t max_voxels = 450'000;
+  std::uint32_t max_voxels = 400'000;
   float max_distance_m = 500.0F;     // half the cube that is kept around the vehicle; less when the map is nearly full
   float min_distance_m = 80.0F;
   Neighbourhood near{5, 1.4F};
@@ -71,7 +71,8 @@ class PlaneMap {
   };
   struct CachedPlane {
     Plane plane;
-    float voxel_count = -1.0F;     // of the voxel at the time of the fit; negative: never fitted
+    std::uint32_t slot = kNoSlot;  // whose plane this is; slots far apart share an entry
+    float voxel_count = 0.0F;      // of the voxel at the time of the fit
     std::uint32_t fitted_at = 0;   // scan
     bool valid = false;
   };
@@ -84,7 +85,7 @@ class PlaneMap {
   float reach_m_;
   IkdTree tree_;
   std::vector<Moments> moments_;
-  std::vector<CachedPlane> planes_;
+  std::vector<CachedPlane> planes_;   // of the slots used last: entry slot % size
   std::uint32_t scan_ = 0;
   std::uint32_t begun_at_ = 0;
 };

@@ -17,7 +17,7 @@ enum ExitCode { kOk = 0, kBadDrive = 1, kBadConfig = 2, kCannotWrite = 3 };
 struct Options {
   std::string drive, config, out;
   std::vector<std::string> overrides;
-  bool no_gps = false, no_loops = false, quiet = false;
+  bool no_gps = false, no_loops = false, no_map = false, quiet = false;
 };
 
 bool tell(const ConfigFaults& faults) {
@@ -66,7 +66,7 @@ int run(const Options& options) {
   replay::Output output{options.out};
   replay::Replay replay{config.value.vehicle, config.value.odometry, config.value.map};
   Progress progress{"replay", 1.0, options.quiet};
-  replay.run(drive, output, progress);
+  replay.run(drive, output, progress, !options.no_map);
   replay::Report report = replay.report();
   const bool written = output.finish() && write_map(replay, output.path("map.pcd"), report.map_points) &&
                        write_text(to_json(report, replay.times(), drive, replay.stats()), output.path("report.json"));
@@ -91,6 +91,7 @@ int main(int argc, char** argv) {
   app.add_option("--set", options.overrides, "key=value over the configuration, may be repeated");
   app.add_flag("--no-gps", options.no_gps, "leave gps.csv unread");
   app.add_flag("--no-loops", options.no_loops, "no loop closure (there is none in this version)");
+  app.add_flag("--no-map", options.no_map, "keep no keyframes: no map.pcd, and the memory is the front end's alone");
   app.add_flag("--quiet", options.quiet, "no progress bar");
   CLI11_PARSE(app, argc, argv);
   return run(options);

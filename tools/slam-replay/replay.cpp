@@ -7,8 +7,9 @@ Replay::Replay(const VehicleGeometry& vehicle, const OdometryConfig& odometry, c
   odometry_.set_stage_listener(&times_);
 }
 
-void Replay::run(Drive& drive, Output& output, Progress& progress) {
+void Replay::run(Drive& drive, Output& output, Progress& progress, bool with_map) {
   const auto begin = std::chrono::steady_clock::now();
+  with_map_ = with_map;
   while (take(drive.next(), output)) {
     step(output);
     progress.show(drive.progress());
@@ -61,7 +62,9 @@ void Replay::keep(const ScanResult& result, Output& output) {
   if (!result.has_scan) return;
   ++report_.scans;
   output.scan(state);
-  if (result.is_keyframe) map_.add({report_.keyframes++, state, odometry_.keyframe_points()});
+  if (!result.is_keyframe) return;
+  const std::uint64_t id = report_.keyframes++;
+  if (with_map_) map_.add({id, state, odometry_.keyframe_points()});
 }
 
 }  // namespace slamd::replay

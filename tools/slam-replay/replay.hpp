@@ -15,8 +15,8 @@ class Replay {
  public:
   Replay(const VehicleGeometry& vehicle, const OdometryConfig& odometry, const MapStoreConfig& map);
 
-  /// Runs the whole drive.
-  void run(Drive& drive, Output& output, Progress& progress);
+  /// Runs the whole drive. Without the map its memory is the front end's alone.
+  void run(Drive& drive, Output& output, Progress& progress, bool with_map);
 
   const Report& report() const { return report_; }
   const StageTimes& times() const { return times_; }
@@ -34,6 +34,7 @@ class Replay {
   StageTimes times_;
   Report report_;
   HostTime first_, last_;
+  bool with_map_ = true;
 };
 
 }  // namespace slamd::replay
