@@ -85,8 +85,8 @@ Matrix6d inverse_or_huge(const Matrix6d& information) {
 
 }  // namespace
 
-double information_share(const IeskfConfig& config, std::uint32_t map_scans) {
-  const double age = std::min(1.0, static_cast<double>(map_scans) / config.mature_scans);
+double information_share(const IeskfConfig& config, std::uint32_t map_viewpoints) {
+  const double age = std::min(1.0, static_cast<double>(map_viewpoints) / config.mature_viewpoints);
   return config.information_scale * age * age;
 }
 
@@ -96,7 +96,7 @@ UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> p
   const InertialState prior = filter.state;
   InertialState state = prior;
   InertialState associated_at = prior;
-  const double share = information_share(config, map.scans());
+  const double share = information_share(config, map.viewpoints());
   Step step{ErrorVector::Zero(), filter.covariance};
   const bool sure = position_sigma(filter.covariance) < config.associate_again_m;
   const std::uint32_t max_iterations = sure ? config.max_iterations : config.max_iterations_unsure;

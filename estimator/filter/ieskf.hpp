@@ -16,8 +16,8 @@ struct IeskfConfig {
   std::uint32_t min_inliers = 100;
   double min_inlier_share = 0.3;           // of the points with a plane
   double information_scale = 0.1;         // neighbouring residuals share their errors: one independent in so many
-  double mature_scans = 20.0;              // a map of fewer is believed less, by the square of the ratio: the rings of
-                                           // one scan move with the sensor and pull it along
+  double mature_viewpoints = 20.0;              // a map seen from fewer places is believed less, by the square of the
+                                           // ratio: the rings of one place move with the sensor and pull it along
   double degenerate_noise_ratio = 2.0;     // information below so many times what noisy normals fake is not believed
   double degenerate_share = 0.002;         // likewise below this share of all the residuals' information
   bool estimate_extrinsic = false;
@@ -44,7 +44,7 @@ struct UpdateSummary {
 UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> points, PointToPlane& residuals,
                      PlaneMap& map, FilterSnapshot& filter, StageListener* listener = nullptr);
 
-/// The share of a scan's information that is believed when the map is made of `map_scans` scans.
-double information_share(const IeskfConfig& config, std::uint32_t map_scans);
+/// The share of a scan's information that is believed when the map was seen from so many places.
+double information_share(const IeskfConfig& config, std::uint32_t map_viewpoints);
 
 }  // namespace slamd

@@ -8,7 +8,7 @@ namespace slamd {
 /// Continuous-time white noise densities of the IMU and random walks of its biases.
 struct ImuNoise {
   double gyro_noise_rads_rthz = 4.0e-4;        // LSM6DSOX 6.6e-5, rest: aliasing of vibration
-  double accel_noise_mps2_rthz = 8.0e-3;       // LSM6DSOX 6.9e-4, rest likewise
+  double accel_noise_mps2_rthz = 3.0e-3;       // LSM6DSOX 6.9e-4, rest likewise
   double gyro_bias_walk_rads2_rthz = 1.0e-5;
   double accel_bias_walk_mps3_rthz = 2.0e-4;
 };

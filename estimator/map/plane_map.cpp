@@ -128,6 +128,10 @@ void PlaneMap::maintain(const Eigen::Vector3f& p_odom_vehicle) {
   constexpr float kShrink = 0.98F;
   constexpr float kGrow = 1.002F;
   ++scan_;
+  if (viewpoints_ == 0 || (p_odom_vehicle - last_viewpoint_).norm() >= config_.viewpoint_distance_m) {
+    ++viewpoints_;
+    last_viewpoint_ = p_odom_vehicle;
+  }
   tree_.rebalance(kRebalanceWork);
   const bool nearly_full = static_cast<float>(tree_.size()) > kNearlyFull * static_cast<float>(config_.max_voxels);
   reach_m_ = std::clamp(reach_m_ * (nearly_full ? kShrink : kGrow), config_.min_distance_m, config_.max_distance_m);
@@ -138,7 +142,7 @@ void PlaneMap::maintain(const Eigen::Vector3f& p_odom_vehicle) {
 void PlaneMap::clear() {
   const Eigen::Vector3f everywhere = Eigen::Vector3f::Constant(std::numeric_limits<float>::max());
   tree_.remove_box({-everywhere, everywhere}, kRemovalWork);
-  begun_at_ = scan_;
+  viewpoints_ = 0;
 }
 
 }  // namespace slamd

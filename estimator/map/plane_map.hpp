@@ -17,9 +17,10 @@ struct Neighbourhood {
 
 struct PlaneMapConfig {
   float voxel_size_m = 0.6F;
-  std::uint32_t max_voxels = 400'000;
+  std::uint32_t max_voxels = 450'000;
   float max_distance_m = 500.0F;     // half the cube that is kept around the vehicle; less when the map is nearly full
   float min_distance_m = 80.0F;
+  float viewpoint_distance_m = 0.3F;
   Neighbourhood near{5, 1.4F};
   Neighbourhood wide{16, 2.5F};      // tried where the near one does not fix the tilt: one ring is a line, two are a plane
   float near_tilt_rad = 0.04F;
@@ -59,8 +60,8 @@ class PlaneMap {
   void clear();
 
   std::size_t size() const { return tree_.size(); }
-  /// Calls of maintain() since the map was begun.
-  std::uint32_t scans() const { return scan_ - begun_at_; }
+  /// Places at least viewpoint_distance_m apart from which the map was seen.
+  std::uint32_t viewpoints() const { return viewpoints_; }
   const IkdTree& tree() const { return tree_; }
 
  private:
@@ -87,7 +88,8 @@ class PlaneMap {
   std::vector<Moments> moments_;
   std::vector<CachedPlane> planes_;   // of the slots used last: entry slot % size
   std::uint32_t scan_ = 0;
-  std::uint32_t begun_at_ = 0;
+  std::uint32_t viewpoints_ = 0;
+  Eigen::Vector3f last_viewpoint_ = Eigen::Vector3f::Zero();
 };
 
 }  // namespace slamd

@@ -9,11 +9,11 @@ namespace slamd {
 /// A random walk in the distance driven, on top of what the first map's own tilt is worth. The figures are the drift of
 /// this front end over 1-200 m of simulated and recorded drives (README.md), with a margin.
 struct MapDriftConfig {
-  double position_m_rtm = 1.5e-3;        // metres per root metre
-  double attitude_rad_rtm = 3.0e-5;      // radians per root metre
-  double first_tilt_rad = 2.0e-3;        // roll and pitch of a map begun at one place
+  double position_m_rtm = 1.0e-3;        // metres per root metre
+  double attitude_rad_rtm = 2.0e-5;      // radians per root metre
+  double first_tilt_rad = 6.0e-4;        // roll and pitch of a map begun at one place
   double first_heading_rad = 1.0e-4;
-  double first_position_m = 3.0e-3;
+  double first_position_m = 2.0e-3;
 };
 
 /// Covariance of a map just begun, rows as NavState::covariance.

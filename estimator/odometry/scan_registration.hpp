@@ -12,7 +12,7 @@ struct ScanRegistrationConfig {
   PlaneMapConfig map;
   PointToPlaneConfig point_to_plane;
   IeskfConfig update;
-  std::uint32_t max_points = 2'500;   // segments that take part in one update, evenly chosen
+  std::uint32_t max_points = 3'500;   // segments that take part in one update, evenly chosen
 };
 
 class ScanRegistration {
