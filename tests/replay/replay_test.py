@@ -10,7 +10,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 DRIVE = os.path.join(os.environ["SLAMD_SHARED_DATA"], "drive_sample")
 CONFIG = os.path.join(ROOT, "config/slamd.yaml")
 OUTPUTS = ("odom.tum", "imu_rate.tum", "map.pcd")
-MAX_APE_RMSE_M = 0.05
+MAX_APE_RMSE_M = 0.015
 MAX_RPE_RMSE_M = 0.015  # over 1 m
 
 
