@@ -222,7 +222,9 @@ void LidarInertialOdometry::judge() {
   say(update.free_rotations > 0, StatusReason::kDegenerateRotation);
   say(progress_.unfused > 0, StatusReason::kFewInliers);
   say(progress_.restarted, StatusReason::kReset);
-  say(update.fused && update.test_ratio > config_.max_test_ratio, StatusReason::kInnovation);
+  // Planes seen from few places flatter themselves: only a mature map can be contradicted.
+  const bool mature = registration_.map().viewpoints() >= config_.registration.update.mature_viewpoints;
+  say(update.fused && mature && update.test_ratio > config_.max_test_ratio, StatusReason::kInnovation);
   // Relative to the map around: drift from odom's origin does not make a pose useless.
   const double local_sigma = std::sqrt(filter_.covariance.block<3, 3>(I::kPosition, I::kPosition).trace());
   say(local_sigma > config_.usable_sigma_m, StatusReason::kHighUncertainty);
