@@ -1,0 +1,45 @@
+#pragma once
+// What the GPS side hands to the graph: antenna positions in ENU tied to keyframes. Gates, latency and the quality latch
+// are behind a PositionSource.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "estimator/graph/graph_solution.hpp"
+#include "estimator/graph/loop_closure.hpp"
+#include "estimator/types/gnss_fix.hpp"
+#include "estimator/types/keyframe.hpp"
+
+namespace slamd {
+
+/// One position of the antenna: p_enu = T_enu_map * T_map_base(keyframe) * p_keyframe_antenna + noise.
+struct GnssPosition {
+  std::uint64_t keyframe = 0;  // the nearest in time
+  /// The antenna at the instant of the fix, in this keyframe's base: T_keyframe_base(fix) * p_base_antenna, the first by
+  /// interpolating the odometry between keyframes.
+  Eigen::Vector3d p_keyframe_antenna = Eigen::Vector3d::Zero();
+  Eigen::Vector3d p_enu = Eigen::Vector3d::Zero();       // measured, metres
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Ones();     // east, north, up; a height that is not valid has a large one
+};
+
+/// Turns fixes into positions. Called by the mapper alone, one thread; deterministic.
+class PositionSource {
+ public:
+  virtual ~PositionSource() = default;
+  virtual void add(const Keyframe& keyframe) = 0;
+  virtual void add(const GnssFix& fix) = 0;
+  /// Looks at what came since the last call. alignment: as the graph has it, nullopt before the first solve with
+  /// positions. True when the graph should be solved again: a batch of new positions, or old ones withdrawn.
+  virtual bool update(const GraphView& view, const std::optional<EnuAlignment>& alignment) = 0;
+  /// All positions that are believed now; empty until initial_alignment() has a value. In order of keyframes.
+  virtual std::span<const GnssPosition> positions() const = 0;
+  /// Where the graph starts: yaw from motion. nullopt: not enough motion or fixes yet. Covariance: as far as known.
+  virtual std::optional<EnuAlignment> initial_alignment() const = 0;
+  /// Only with initial_alignment().
+  virtual EnuOrigin origin() const = 0;
+  /// After each solve: robust weight of each of positions(), in their order, 0..1.
+  virtual void weigh(std::span<const double> weights) = 0;
+};
+
+}  // namespace slamd
