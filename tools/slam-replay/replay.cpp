@@ -64,7 +64,7 @@ void Replay::keep(const ScanResult& result, Output& output) {
   output.scan(state);
   if (!result.is_keyframe) return;
   const std::uint64_t id = report_.keyframes++;
-  if (with_map_) map_.add({id, state, odometry_.keyframe_points()});
+  if (with_map_) map_.add({.id = id, .state = state, .points = odometry_.keyframe_points()});
 }
 
 }  // namespace slamd::replay
