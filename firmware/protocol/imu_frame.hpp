@@ -9,6 +9,7 @@
 
 #include "firmware/protocol/cobs.hpp"
 #include "firmware/protocol/crc16.hpp"
+#include "firmware/protocol/wire.hpp"
 
 namespace slamd {
 
@@ -56,24 +57,6 @@ struct DecodedImuFrame {
 
   constexpr explicit operator bool() const { return error == ImuFrameError::kNone; }
 };
-
-namespace wire {
-
-/// Little-endian integers at a fixed offset; U is unsigned.
-template <class U>
-constexpr void store(std::span<std::uint8_t> bytes, std::size_t at, U value) {
-  for (std::size_t i = 0; i < sizeof(U); ++i) bytes[at + i] = static_cast<std::uint8_t>(value >> (8U * i));
-}
-
-template <class U>
-constexpr U load(std::span<const std::uint8_t> bytes, std::size_t at) {
-  U value = 0;
-  for (std::size_t i = 0; i < sizeof(U); ++i)
-    value = static_cast<U>(value | (static_cast<U>(bytes[at + i]) << (8U * i)));
-  return value;
-}
-
-}  // namespace wire
 
 /// The 30 plain bytes of a frame, CRC included, before COBS.
 constexpr std::array<std::uint8_t, kImuFramePlainBytes> pack(const ImuFrame& frame) {
