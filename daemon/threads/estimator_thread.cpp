@@ -77,17 +77,20 @@ void EstimatorThread::publish(const ScanResult& result) {
   posterior.state = result.state;
   streams_.posterior.publish();
   streams_.path.try_push({result.state.time, result.state.T_odom_base});
-  if (result.is_keyframe) push_keyframe(result.state);
+  if (result.is_keyframe) push_keyframe(result);
   if (result.has_scan) scans_.fetch_add(1, std::memory_order_relaxed);
 }
 
-void EstimatorThread::push_keyframe(const NavState& state) {
+void EstimatorThread::push_keyframe(const ScanResult& result) {
   Keyframe* slot = streams_.keyframes.claim();
   if (slot == nullptr) return;  // counted by the ring: the map has a hole, the odometry has not
   const PointCloud& points = odometry_.keyframe_points();
   const std::size_t count = std::min(points.size(), Streams::kMaxKeyframePoints);
   slot->id = keyframe_count_.fetch_add(1, std::memory_order_relaxed);
-  slot->state = state;
+  slot->state = result.state;
+  slot->relative_covariance = result.relative_covariance;
+  slot->up_base = result.up.up_base;
+  slot->up_sigma_rad = result.up.sigma_rad;
   slot->points.assign(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count));
   streams_.keyframes.commit();
 }

@@ -37,7 +37,7 @@ class EstimatorThread {
   bool take_event(HostTime now);
   void take_scans();
   void publish(const ScanResult& result);
-  void push_keyframe(const NavState& state);
+  void push_keyframe(const ScanResult& result);
 
   const EstimatorThreadConfig config_;
   EventMerge merge_;

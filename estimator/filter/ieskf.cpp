@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <optional>
 
 namespace slamd {
 
@@ -51,36 +52,78 @@ FreeDirections free_directions(const IeskfConfig& config, Linearisation& scan, i
   return out;
 }
 
-struct Step {
-  ErrorVector error;
+/// The prior's covariance and mean in the tangent space of one iterate, eq. (15).
+struct TangentPrior {
   ErrorCovariance covariance;
+  CloneCovariance cross;
+  ErrorVector mean;  // prior [-] iterate, to first order
 };
 
-/// Minimum of |state [+] e [-] prior|_P^2 + |r + H e|^2 with A = H^T R^-1 H, b = H^T R^-1 r.
-Step solve(const Linearisation& scan, double scale, const ErrorVector& from_prior, const ErrorCovariance& prior) {
-  // Prior in the tangent space of the present iterate, eq. (15).
-  const ErrorCovariance j_inverse = boxminus_jacobian(from_prior).inverse();
-  const ErrorCovariance p = j_inverse * prior * j_inverse.transpose();
-  const ErrorVector d = j_inverse * from_prior;
-  const MeasuredMatrix a = scale * scan.information;
-  const MeasuredVector b = scale * scan.gradient;
-  const auto p_m = p.leftCols<I::kMeasured>();
-  const MeasuredMatrix inner = MeasuredMatrix::Identity() + a * p.topLeftCorner<I::kMeasured, I::kMeasured>();
-  const Eigen::PartialPivLU<MeasuredMatrix> lu(inner);
-  Step step;
-  step.error = -d - p_m * lu.solve(b - a * d.head<I::kMeasured>());
-  step.covariance = p - p_m * lu.solve(a * p_m.transpose());
-  symmetrise(step.covariance);
-  return step;
+TangentPrior tangent_prior(const FilterSnapshot& prior, const ErrorVector& from_prior) {
+  TangentPrior out{prior.covariance, prior.clone.cross, -from_prior};
+  for (const int row : {I::kAttitude, I::kExtrinsicRotation}) {
+    const Eigen::Vector3d angle = from_prior.segment<3>(row);
+    const Eigen::Matrix3d J = right_jacobian_so3(angle);  // inverse of boxminus_jacobian's block
+    out.covariance.middleRows<3>(row) = (J * out.covariance.middleRows<3>(row)).eval();
+    out.covariance.middleCols<3>(row) = (out.covariance.middleCols<3>(row) * J.transpose()).eval();
+    out.cross.middleRows<3>(row) = (J * out.cross.middleRows<3>(row)).eval();
+    out.mean.segment<3>(row) = -J * angle;
+  }
+  return out;
 }
+
+/// Minimum of |iterate [+] e [-] prior|_P^2 + |r + H e|^2 with A = H^T R^-1 H, b = H^T R^-1 r.
+class Step {
+ public:
+  Step(const Linearisation& scan, double share, const FilterSnapshot& prior, const ErrorVector& from_prior)
+      : prior_{tangent_prior(prior, from_prior)} {
+    const MeasuredMatrix a = share * scan.information;
+    const MeasuredVector b = share * scan.gradient;
+    const auto p_m = prior_.covariance.leftCols<I::kMeasured>();
+    const MeasuredMatrix inner = MeasuredMatrix::Identity() + a * p_m.topRows<I::kMeasured>();
+    const Eigen::PartialPivLU<MeasuredMatrix> lu(inner);
+    error_ = prior_.mean - p_m * lu.solve(b + a * prior_.mean.head<I::kMeasured>());
+    corrected_ = p_m * lu.solve(a);
+  }
+
+  const ErrorVector& error() const { return error_; }
+  /// Of attitude and position: all that the gates of the next iteration need.
+  Matrix6d pose_covariance() const {
+    return prior_.covariance.topLeftCorner<6, 6>() -
+           corrected_.topRows<6>() * prior_.covariance.topLeftCorner<I::kMeasured, 6>();
+  }
+  /// (I - K H) P and (I - K H) X.
+  void finish(FilterSnapshot& filter) const {
+    filter.covariance = prior_.covariance - corrected_ * prior_.covariance.topRows<I::kMeasured>();
+    filter.clone.cross = prior_.cross - corrected_ * prior_.cross.topRows<I::kMeasured>();
+    symmetrise(filter.covariance);
+  }
+
+ private:
+  TangentPrior prior_;
+  ErrorVector error_;
+  Eigen::Matrix<double, I::kSize, I::kMeasured> corrected_;  // K H, its columns of the measured states
+};
 
 double position_sigma(const ErrorCovariance& p) {
   return std::sqrt(p.block<3, 3>(I::kPosition, I::kPosition).trace());
 }
 
-Matrix6d inverse_or_huge(const Matrix6d& information) {
-  constexpr double kNoInformation = 1e-6;
-  return (information + kNoInformation * Matrix6d::Identity()).inverse();
+bool has_converged(const IeskfConfig& config, const ErrorVector& error) {
+  return error.segment<3>(I::kPosition).norm() < config.converged_translation_m &&
+         error.segment<3>(I::kAttitude).norm() < config.converged_rotation_rad;
+}
+
+bool is_enough(const IeskfConfig& config, const Linearisation& scan) {
+  return scan.inliers >= config.min_inliers && scan.inliers >= config.min_inlier_share * scan.matched;
+}
+
+void forget_free_directions(const IeskfConfig& config, Linearisation& scan, UpdateSummary& summary) {
+  const FreeDirections positions = free_directions(config, scan, I::kPosition, I::kAttitude, scan.normal_noise);
+  const FreeDirections attitudes = free_directions(config, scan, I::kAttitude, I::kPosition, scan.normal_noise_rotation);
+  summary.free_translations = positions.count;
+  summary.free_rotations = attitudes.count;
+  summary.free_direction = positions.weakest;
 }
 
 }  // namespace
@@ -93,47 +136,37 @@ double information_share(const IeskfConfig& config, std::uint32_t map_viewpoints
 UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> points, PointToPlane& residuals,
                      PlaneMap& map, FilterSnapshot& filter, StageListener* listener) {
   UpdateSummary summary;
-  const InertialState prior = filter.state;
-  InertialState state = prior;
-  InertialState associated_at = prior;
+  InertialState state = filter.state;
+  InertialState associated_at = state;
+  Matrix6d gate_covariance = filter.covariance.topLeftCorner<6, 6>();
   const double share = information_share(config, map.viewpoints());
-  Step step{ErrorVector::Zero(), filter.covariance};
   const bool sure = position_sigma(filter.covariance) < config.associate_again_m;
-  const std::uint32_t max_iterations = sure ? config.max_iterations : config.max_iterations_unsure;
-  bool converged = false;
-  for (std::uint32_t i = 0; i < max_iterations && !converged; ++i) {
+  const std::uint32_t most = sure ? config.max_iterations : config.max_iterations_unsure;
+  std::optional<Step> step;
+  while (summary.iterations < most && !(step && has_converged(config, step->error()))) {
     const double moved = (state.p_odom_imu - associated_at.p_odom_imu).norm();
-    if (i == 0 || !sure || moved > config.associate_again_m) {
+    if (!step || !sure || moved > config.associate_again_m) {
       residuals.associate(points, state, map);
       associated_at = state;
       if (listener != nullptr) listener->finished(Stage::kAssociate);
     }
-    // The gate closes as the iterates settle: what the last step still moved is what remains unsure.
-    const ErrorCovariance gate_covariance = step.covariance + step.error * step.error.transpose();
     Linearisation scan = residuals.linearise(state, gate_covariance, config.estimate_extrinsic);
-    summary.iterations = i + 1;
+    ++summary.iterations;
     summary.matched = scan.matched;
     summary.inliers = scan.inliers;
-    if (scan.inliers < config.min_inliers || scan.inliers < config.min_inlier_share * scan.matched) return summary;
-    const FreeDirections positions =
-        free_directions(config, scan, I::kPosition, I::kAttitude, scan.normal_noise);
-    const FreeDirections attitudes =
-        free_directions(config, scan, I::kAttitude, I::kPosition, scan.normal_noise_rotation);
-    step = solve(scan, share, boxminus(state, prior), filter.covariance);
-    if (!step.error.allFinite()) return summary;
-    state = boxplus(state, step.error);
-    converged = step.error.segment<3>(I::kPosition).norm() < config.converged_translation_m &&
-                step.error.segment<3>(I::kAttitude).norm() < config.converged_rotation_rad;
-    summary.free_translations = positions.count;
-    summary.free_rotations = attitudes.count;
-    summary.free_direction = positions.weakest;
+    if (!is_enough(config, scan)) return summary;
     summary.test_ratio = scan.squared_error / scan.inliers;
-    const MeasuredMatrix information = share * scan.information;
-    summary.registration_covariance = inverse_or_huge(information.topLeftCorner<6, 6>());
+    forget_free_directions(config, scan, summary);
+    step.emplace(scan, share, filter, boxminus(state, filter.state));
+    if (!step->error().allFinite()) return summary;
+    state = boxplus(state, step->error());
+    // The gate closes as the iterates settle: what the last step still moved is what remains unsure.
+    const auto moved_now = step->error().head<6>();
+    gate_covariance = step->pose_covariance() + moved_now * moved_now.transpose();
   }
+  if (step) step->finish(filter);
   filter.state = state;
-  filter.covariance = step.covariance;
-  summary.fused = true;
+  summary.fused = step.has_value();
   return summary;
 }
 

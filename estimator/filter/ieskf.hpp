@@ -33,7 +33,6 @@ struct UpdateSummary {
   int free_translations = 0;    // directions of position and axes of attitude that the prior alone holds
   int free_rotations = 0;
   Eigen::Vector3d free_direction = Eigen::Vector3d::Zero();  // unit, odom: the least constrained one, if any is free
-  Matrix6d registration_covariance = Matrix6d::Zero();  // of attitude, position by this scan alone; huge where free
 };
 
 /// Iterated error-state update with one de-skewed scan. On success state and covariance are replaced by the posterior;

@@ -56,10 +56,34 @@ ErrorCovariance transition(const InertialState& state, const ImuInterval& interv
   return F;
 }
 
+ErrorCovariance coast_transition(Duration length, const Eigen::Vector3d& angular_velocity_rads) {
+  const double dt = to_seconds(length);
+  ErrorCovariance F = ErrorCovariance::Identity();
+  F.block<3, 3>(I::kAttitude, I::kAttitude) = exp_so3(-dt * angular_velocity_rads).toRotationMatrix();
+  F.block<3, 3>(I::kPosition, I::kVelocity) = dt * Eigen::Matrix3d::Identity();
+  return F;
+}
+
 namespace {
 
-/// F P F^T + Q, where F differs from the identity in the rows of attitude, position and velocity only.
-void carry(const ErrorCovariance& F, const ImuNoise& noise, double dt, ErrorCovariance& covariance) {
+/// White noise of the sensors, integrated over dt_s.
+void add_noise(const ImuNoise& noise, double dt_s, ErrorCovariance& covariance) {
+  const auto add = [&](int row, int column, double density, double factor) {
+    covariance.block<3, 3>(row, column).diagonal().array() += density * density * factor;
+  };
+  const double accel = noise.accel_noise_mps2_rthz;
+  add(I::kAttitude, I::kAttitude, noise.gyro_noise_rads_rthz, dt_s);
+  add(I::kVelocity, I::kVelocity, accel, dt_s);
+  add(I::kPosition, I::kVelocity, accel, dt_s * dt_s / 2.0);
+  add(I::kVelocity, I::kPosition, accel, dt_s * dt_s / 2.0);
+  add(I::kPosition, I::kPosition, accel, dt_s * dt_s * dt_s / 3.0);
+  add(I::kGyroBias, I::kGyroBias, noise.gyro_bias_walk_rads2_rthz, dt_s);
+  add(I::kAccelBias, I::kAccelBias, noise.accel_bias_walk_mps3_rthz, dt_s);
+}
+
+}  // namespace
+
+void propagate_covariance(const ErrorCovariance& F, const ImuNoise& noise, double dt_s, ErrorCovariance& covariance) {
   const Eigen::Matrix<double, 6, I::kSize> pose_rows = F.topRows<6>() * covariance;
   const Eigen::Matrix<double, 3, I::kSize> velocity_rows = F.middleRows<3>(I::kVelocity) * covariance;
   covariance.topRows<6>() = pose_rows;
@@ -68,31 +92,15 @@ void carry(const ErrorCovariance& F, const ImuNoise& noise, double dt, ErrorCova
   const Eigen::Matrix<double, I::kSize, 3> velocity_columns = covariance * F.middleRows<3>(I::kVelocity).transpose();
   covariance.leftCols<6>() = pose_columns;
   covariance.middleCols<3>(I::kVelocity) = velocity_columns;
-
-  const auto add = [&](int index, double density, double factor) {
-    covariance.diagonal().segment<3>(index).array() += density * density * factor;
-  };
-  add(I::kAttitude, noise.gyro_noise_rads_rthz, dt);
-  add(I::kVelocity, noise.accel_noise_mps2_rthz, dt);
-  add(I::kPosition, noise.accel_noise_mps2_rthz, dt * dt * dt / 3.0);
-  add(I::kGyroBias, noise.gyro_bias_walk_rads2_rthz, dt);
-  add(I::kAccelBias, noise.accel_bias_walk_mps3_rthz, dt);
+  add_noise(noise, dt_s, covariance);
   symmetrise(covariance);
 }
 
-}  // namespace
-
-void propagate_covariance(const InertialState& state, const ImuInterval& interval, const ImuNoise& noise,
-                          ErrorCovariance& covariance) {
-  carry(transition(state, interval), noise, to_seconds(interval.length), covariance);
-}
-
-void coast_covariance(const ImuInterval& interval, const ImuNoise& noise, ErrorCovariance& covariance) {
-  const double dt = to_seconds(interval.length);
-  ErrorCovariance F = ErrorCovariance::Identity();
-  F.block<3, 3>(I::kAttitude, I::kAttitude) = exp_so3(-dt * interval.gyro_rads).toRotationMatrix();
-  F.block<3, 3>(I::kPosition, I::kVelocity) = dt * Eigen::Matrix3d::Identity();
-  carry(F, noise, dt, covariance);
+void propagate_cross(const ErrorCovariance& F, CloneCovariance& cross) {
+  const Matrix6d pose_rows = F.topRows<6>() * cross;
+  const Eigen::Matrix<double, 3, 6> velocity_rows = F.middleRows<3>(I::kVelocity) * cross;
+  cross.topRows<6>() = pose_rows;
+  cross.middleRows<3>(I::kVelocity) = velocity_rows;
 }
 
 }  // namespace slamd

@@ -24,16 +24,19 @@ struct ImuInterval {
 /// Source: Xu et al. 2022, eq. (7), with the mid-point in place of the Euler step.
 InertialState propagate(const InertialState& state, const ImuInterval& interval);
 
-/// Covariance after the interval that starts at `state`: F P F^T + Q, only the blocks that F moves are touched.
-/// Source: Xu et al. 2022, eq. (8); F is checked against finite differences in tests/estimator/imu_propagation_test.cpp.
-void propagate_covariance(const InertialState& state, const ImuInterval& interval, const ImuNoise& noise,
-                          ErrorCovariance& covariance);
+/// d(error after)/d(error before) over the interval that starts at `state`; differs from the identity in the rows of
+/// attitude, position and velocity only.
+/// Source: Xu et al. 2022, eq. (7); checked against finite differences in tests/estimator/imu_propagation_test.cpp.
+ErrorCovariance transition(const InertialState& state, const ImuInterval& interval);
 
 /// The same for an interval in which nothing was measured and velocity and body rate are taken as constant: biases and
-/// gravity have no part in it and learn nothing. gyro_rads of the interval is the body rate, its accel is not used.
-void coast_covariance(const ImuInterval& interval, const ImuNoise& noise, ErrorCovariance& covariance);
+/// gravity have no part in it and learn nothing.
+ErrorCovariance coast_transition(Duration length, const Eigen::Vector3d& angular_velocity_rads);
 
-/// d(error after)/d(error before): for tests and for relative covariances.
-ErrorCovariance transition(const InertialState& state, const ImuInterval& interval);
+/// F P F^T + Q over dt_s, for an F of transition() or coast_transition(). Source: Xu et al. 2022, eq. (8).
+void propagate_covariance(const ErrorCovariance& F, const ImuNoise& noise, double dt_s, ErrorCovariance& covariance);
+
+/// F X: what the moved state still shares with a clone, which does not move.
+void propagate_cross(const ErrorCovariance& F, CloneCovariance& cross);
 
 }  // namespace slamd

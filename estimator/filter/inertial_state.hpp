@@ -48,6 +48,14 @@ ErrorVector boxminus(const InertialState& to, const InertialState& from);
 /// The gravity block is the identity, exact to the first order of its own (milliradian) error.
 ErrorCovariance boxminus_jacobian(const ErrorVector& e);
 
+/// An earlier pose of the IMU, the covariance of its error, and what that error shares with the state's (filter/pose_clone).
+using CloneCovariance = Eigen::Matrix<double, ErrorIndex::kSize, 6>;
+struct PoseClone {
+  Pose T_odom_imu;
+  Matrix6d covariance = Matrix6d::Zero();             // rows attitude, position
+  CloneCovariance cross = CloneCovariance::Zero();    // E[state's error * clone's error^T]
+};
+
 /// All that propagation needs to go on from one instant: what the estimator hands to the predictor.
 struct FilterSnapshot {
   HostTime time;
@@ -57,6 +65,7 @@ struct FilterSnapshot {
   /// What the map itself has drifted since odom's origin, of base: rows as NavState::covariance. The filter's own
   /// covariance is relative to the map around the vehicle.
   Matrix6d map_covariance = Matrix6d::Zero();
+  PoseClone clone;  // of the newest keyframe
 };
 
 }  // namespace slamd

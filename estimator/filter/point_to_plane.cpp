@@ -20,12 +20,11 @@ void PointToPlane::associate(std::span<const MeasuredPoint> points, const Inerti
   }
 }
 
-Linearisation PointToPlane::linearise(const InertialState& state, const ErrorCovariance& covariance,
+Linearisation PointToPlane::linearise(const InertialState& state, const Matrix6d& pose_covariance,
                                       bool with_extrinsic) const {
   Linearisation out;
   const Eigen::Matrix3d R_odom_imu = state.R_odom_imu.toRotationMatrix();
   const Eigen::Matrix3d R_imu_lidar = state.T_imu_lidar.rotation.toRotationMatrix();
-  const Matrix6d pose_covariance = covariance.topLeftCorner<6, 6>();
   for (const Match& match : matches_) {
     const Eigen::Vector3d p_lidar = match.p_lidar.cast<double>();
     const Eigen::Vector3d p_imu = R_imu_lidar * p_lidar + state.T_imu_lidar.translation;

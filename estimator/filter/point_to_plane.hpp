@@ -42,8 +42,9 @@ class PointToPlane {
 
   /// Finds the plane of every point at `state`. Planes are copied: the map may change afterwards.
   void associate(std::span<const MeasuredPoint> points, const InertialState& state, PlaneMap& map);
-  /// Residuals of the associated points at `state`, weighted; `covariance` widens the gate by what the prior allows.
-  Linearisation linearise(const InertialState& state, const ErrorCovariance& covariance, bool with_extrinsic) const;
+  /// Residuals of the associated points at `state`, weighted; pose_covariance (of attitude and position) widens
+  /// the gate by what the prior allows.
+  Linearisation linearise(const InertialState& state, const Matrix6d& pose_covariance, bool with_extrinsic) const;
 
  private:
   struct Match {

@@ -32,11 +32,10 @@ void DeadReckoning::step(const ImuPiece& piece, FilterSnapshot& filter, DeadReck
     noise.gyro_noise_rads_rthz = config_.clipped_gyro_rads_rthz;
     summary.clipped = true;
   }
-  if (piece.measured) {
-    propagate_covariance(filter.state, interval, noise, filter.covariance);
-  } else {
-    coast_covariance({interval.length, filter.angular_velocity_rads, {}}, noise, filter.covariance);
-  }
+  const ErrorCovariance F = piece.measured ? transition(filter.state, interval)
+                                           : coast_transition(interval.length, filter.angular_velocity_rads);
+  propagate_covariance(F, noise, to_seconds(interval.length), filter.covariance);
+  propagate_cross(F, filter.clone.cross);
   filter.state = propagate(filter.state, interval);
   filter.time = piece.to;
 }

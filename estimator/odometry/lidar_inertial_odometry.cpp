@@ -22,7 +22,8 @@ LidarInertialOdometry::LidarInertialOdometry(const VehicleGeometry& geometry, co
       assembler_{config.scan},
       initialisation_{config.initialisation},
       dead_reckoning_{config.dead_reckoning},
-      registration_{config.registration} {
+      registration_{config.registration},
+      relation_{config.map_drift, geometry.T_base_imu} {
   pending_.points.reserve(config.scan.max_points);
   pending_.segments.reserve(config.scan.max_segments);
   keyframe_points_.reserve(config.scan.max_points);
@@ -86,8 +87,10 @@ const ScanResult* LidarInertialOdometry::fuse() {
   finished(Stage::kInsert);
   if (!is_sane(filter_)) return start_over();
   if (progress_.coasted) estimate_rate(before, elapsed_s);
-  filter_.map_covariance = carry_drift(config_.map_drift, filter_.map_covariance, before.T_odom_imu() * T_imu_base,
-                                       filter_.state.T_odom_imu() * T_imu_base);
+  const Pose T_odom_before = before.T_odom_imu() * T_imu_base;
+  const Pose T_odom_base = filter_.state.T_odom_imu() * T_imu_base;
+  filter_.map_covariance = carry_drift(config_.map_drift, filter_.map_covariance, T_odom_before, T_odom_base);
+  relation_.carry(T_odom_before, T_odom_base);
   result_.snapshot = filter_;
   result_.state = base_state(filter_, geometry_.T_base_imu);
   judge();
@@ -163,6 +166,7 @@ void LidarInertialOdometry::keep_velocity_only() {
 /// defines odom has none but its own tilt.
 void LidarInertialOdometry::begin_map_here(bool defines_odom) {
   registration_.clear_map();
+  relation_.keep_before_new_map(filter_);
   const Matrix6d so_far = base_state(filter_, geometry_.T_base_imu).covariance;
   filter_.map_covariance = first_drift(config_.map_drift);
   if (!defines_odom) {
@@ -184,6 +188,7 @@ void LidarInertialOdometry::estimate_rate(const InertialState& before, double el
 /// A state that is no number any more cannot be mended by further measurements: initialise anew.
 const ScanResult* LidarInertialOdometry::start_over() {
   registration_.clear_map();
+  relation_.break_off();
   initialisation_.clear();
   filter_ = {};
   filter_.time = pending_.end;
@@ -244,6 +249,8 @@ void LidarInertialOdometry::collect_keyframe(const Scan& scan) {
   if (last_keyframe_ && !moved) return;
   last_keyframe_ = T_odom_base;
   result_.is_keyframe = true;
+  result_.relative_covariance = relation_.take(filter_);
+  result_.up = up_direction(filter_, geometry_.T_base_imu);
   keyframe_points_.clear();
   const Pose T_base_lidar = geometry_.T_base_imu * filter_.state.T_imu_lidar;
   const Eigen::Matrix3f R = T_base_lidar.rotation.toRotationMatrix().cast<float>();

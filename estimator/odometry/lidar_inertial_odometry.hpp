@@ -5,7 +5,7 @@
 #include "estimator/filter/initialisation.hpp"
 #include "estimator/lidar/scan_assembler.hpp"
 #include "estimator/odometry/dead_reckoning.hpp"
-#include "estimator/odometry/map_drift.hpp"
+#include "estimator/odometry/keyframe_relation.hpp"
 #include "estimator/odometry/scan_registration.hpp"
 #include "estimator/types/keyframe.hpp"
 
@@ -36,7 +36,9 @@ struct ScanResult {
   FilterSnapshot snapshot;    // for PosePredictor::correct
   UpdateSummary update;
   bool has_scan = false;      // false: only time passed (no_lidar)
-  bool is_keyframe = false;   // then keyframe_points() is of this scan
+  bool is_keyframe = false;   // then keyframe_points() is of this scan, and so are
+  Matrix6d relative_covariance = Matrix6d::Zero();  // see Keyframe
+  UpDirection up;
 };
 
 /// Input that was not used, by cause.
@@ -111,6 +113,7 @@ class LidarInertialOdometry {
   FilterSnapshot initial_;
   Progress progress_;
   std::optional<Pose> last_keyframe_;  // T_odom_base
+  KeyframeRelation relation_;
   HostTime now_;
   ScanResult result_;
   PointCloud keyframe_points_;

@@ -79,7 +79,7 @@ TEST_F(Ieskf, ASmallErrorIsCorrectedAsTheClosedFormKalmanUpdateSays) {
 
   PointToPlane again{PointToPlaneConfig{}, 4'000};
   again.associate(points, prior.state, *map_);
-  const Linearisation scan = again.linearise(prior.state, prior.covariance, false);
+  const Linearisation scan = again.linearise(prior.state, prior.covariance.topLeftCorner<6, 6>(), false);
   // P+ = (P^-1 + A)^-1 with a proper P in place of the certain extrinsic's zeros; e = -P+ b.
   ErrorCovariance p = prior.covariance;
   p.diagonal().segment<6>(I::kExtrinsicRotation).setConstant(1e-14);
@@ -90,6 +90,23 @@ TEST_F(Ieskf, ASmallErrorIsCorrectedAsTheClosedFormKalmanUpdateSays) {
       -expected_covariance.leftCols<I::kMeasured>() * (config_.information_scale * scan.gradient);
   EXPECT_LT((boxminus(filter.state, prior.state) - expected).norm(), 1e-6 * expected.norm() + 1e-9);
   EXPECT_LT((filter.covariance - expected_covariance).norm(), 1e-6 * expected_covariance.norm());
+}
+
+TEST_F(Ieskf, WhatTheScanCorrectsIsNoLongerSharedWithTheClone) {
+  build(test::room(kHalf));
+  config_.max_iterations = 1;
+  FilterSnapshot filter = perturbed(0.005, 0.03);
+  // A proper prior in place of the certain extrinsic's zeros, so that it can be inverted.
+  filter.covariance.diagonal().segment<6>(I::kExtrinsicRotation).setConstant(1e-14);
+  filter.clone.cross.setRandom();
+  filter.clone.cross *= 1e-7;
+  const FilterSnapshot prior = filter;
+  ASSERT_TRUE(fuse(filter).fused);
+  // I - K H = P+ P^-1.
+  const CloneCovariance expected = filter.covariance * prior.covariance.inverse() * prior.clone.cross;
+  EXPECT_LT((filter.clone.cross - expected).norm(), 1e-6 * expected.norm());
+  EXPECT_LT(filter.clone.cross.topRows<6>().norm(), 0.2 * prior.clone.cross.topRows<6>().norm());
+  EXPECT_EQ(filter.clone.covariance, prior.clone.covariance) << "the clone is not told anew";
 }
 
 TEST_F(Ieskf, APerturbedPoseInARoomIsRecovered) {

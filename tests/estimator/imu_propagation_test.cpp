@@ -39,10 +39,10 @@ TEST(ImuPropagation, CovarianceIsTransformedByTheTransitionPlusNoise) {
     const ImuInterval interval = random_interval(random, 0.005);
     const ErrorCovariance p = test::random_covariance(random, 0.1);
     ErrorCovariance moved = p;
-    propagate_covariance(state, interval, noise, moved);
-    ErrorCovariance q = ErrorCovariance::Zero();
-    propagate_covariance(state, interval, noise, q);
     const ErrorCovariance F = transition(state, interval);
+    propagate_covariance(F, noise, 0.005, moved);
+    ErrorCovariance q = ErrorCovariance::Zero();
+    propagate_covariance(F, noise, 0.005, q);
     EXPECT_LT((moved - F * p * F.transpose() - q).norm(), 1e-12 * p.norm() + 1e-15);
   }
 }
@@ -54,7 +54,7 @@ TEST(ImuPropagation, NoiseOfOneIntervalHasTheDensitiesOfTheConfig) {
                        .gyro_bias_walk_rads2_rthz = 4e-4,
                        .accel_bias_walk_mps3_rthz = 5e-3};
   ErrorCovariance q = ErrorCovariance::Zero();
-  propagate_covariance(test::random_state(random), random_interval(random, 0.005), noise, q);
+  propagate_covariance(transition(test::random_state(random), random_interval(random, 0.005)), noise, 0.005, q);
   const auto expect = [&](int row, double density) {
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(q(row + i, row + i), density * density * 0.005, 1e-9 * density * density);
   };
@@ -64,6 +64,50 @@ TEST(ImuPropagation, NoiseOfOneIntervalHasTheDensitiesOfTheConfig) {
   expect(I::kAccelBias, 5e-3);
   EXPECT_EQ((q.middleRows<6>(I::kExtrinsicRotation).norm()), 0.0) << "the extrinsic does not wander";
   EXPECT_EQ((q.bottomRows<2>().norm()), 0.0) << "nor does gravity";
+}
+
+/// Monte Carlo: accelerations that are constant over a hundredth of the interval, of the configured density.
+TEST(ImuPropagation, WhiteAccelerationCouplesPositionAndVelocity) {
+  Random random{6};
+  constexpr double kLength_s = 0.1, kDensity = 0.3;
+  constexpr int kSteps = 100, kRuns = 4'000;
+  const double dt = kLength_s / kSteps;
+  double pp = 0.0, pv = 0.0, vv = 0.0;
+  for (int run = 0; run < kRuns; ++run) {
+    double p = 0.0, v = 0.0;
+    for (int i = 0; i < kSteps; ++i) {
+      const double a = test::normal(random, kDensity / std::sqrt(dt));
+      p += v * dt + 0.5 * a * dt * dt;
+      v += a * dt;
+    }
+    pp += p * p / kRuns;
+    pv += p * v / kRuns;
+    vv += v * v / kRuns;
+  }
+  ErrorCovariance q = ErrorCovariance::Zero();
+  const ErrorCovariance F = coast_transition(from_seconds(kLength_s), Eigen::Vector3d::Zero());
+  propagate_covariance(F, {.accel_noise_mps2_rthz = kDensity}, kLength_s, q);
+  EXPECT_NEAR(q(I::kPosition, I::kPosition) / pp, 1.0, 0.1);
+  EXPECT_NEAR(q(I::kPosition, I::kVelocity) / pv, 1.0, 0.1);
+  EXPECT_NEAR(q(I::kVelocity, I::kVelocity) / vv, 1.0, 0.1);
+  EXPECT_EQ(q(I::kPosition, I::kVelocity + 1), 0.0);
+}
+
+/// The state that goes on with its velocity and its body rate, whatever biases and gravity say.
+TEST(ImuPropagation, CoastTransitionEqualsFiniteDifferencesOfConstantVelocity) {
+  Random random{7};
+  const Eigen::Vector3d rate = test::normal3(random, 1.5);
+  const InertialState state = test::random_state(random);
+  const auto coast = [&](const InertialState& from) {
+    InertialState to = from;
+    to.R_odom_imu = from.R_odom_imu * exp_so3(0.02 * rate);
+    to.p_odom_imu += 0.02 * from.v_odom_imu;
+    return to;
+  };
+  const InertialState after = coast(state);
+  const auto moved = [&](const ErrorVector& d) { return boxminus(coast(boxplus(state, d)), after); };
+  const ErrorCovariance numeric = test::central_differences<I::kSize, I::kSize>(moved);
+  EXPECT_LT((coast_transition(from_seconds(0.02), rate) - numeric).cwiseAbs().maxCoeff(), 1e-7);
 }
 
 TEST(ImuPropagation, CovarianceStaysSymmetricAndPositiveOverTenThousandSteps) {
@@ -76,7 +120,7 @@ TEST(ImuPropagation, CovarianceStaysSymmetricAndPositiveOverTenThousandSteps) {
     const ImuInterval interval{from_seconds(0.005),
                                {std::sin(t), std::cos(2.0 * t), 0.5},
                                {2.0 * std::sin(3.0 * t), 0.3, kGravity_mps2 + std::cos(t)}};
-    propagate_covariance(state, interval, ImuNoise{}, p);
+    propagate_covariance(transition(state, interval), ImuNoise{}, 0.005, p);
     state = propagate(state, interval);
     state.p_odom_imu.setZero();
     if (i % 500 != 499) continue;

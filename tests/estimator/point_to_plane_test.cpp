@@ -29,7 +29,7 @@ class PointToPlaneInARoom : public ::testing::Test {
   Linearisation of_one(const MeasuredPoint& point, const InertialState& at, bool with_extrinsic = true) {
     PointToPlane residuals{wide_, 10};
     residuals.associate({&point, 1}, state_, *map_);
-    return residuals.linearise(at, ErrorCovariance::Zero(), with_extrinsic);
+    return residuals.linearise(at, Matrix6d::Zero(), with_extrinsic);
   }
 
   static PointToPlaneConfig wide() {
@@ -58,7 +58,7 @@ TEST_F(PointToPlaneInARoom, EachRowOfTheJacobianEqualsFiniteDifferences) {
     residuals.associate({&point, 1}, state_, *map_);
     // With one point and no robust weight: squared_error = r^2 / variance, information = h h^T / variance.
     const auto squared_residual = [&](const ErrorVector& d) {
-      const double e = residuals.linearise(boxplus(state_, d), ErrorCovariance::Zero(), true).squared_error;
+      const double e = residuals.linearise(boxplus(state_, d), Matrix6d::Zero(), true).squared_error;
       return Eigen::Matrix<double, 1, 1>{e};
     };
     const auto numeric = test::central_differences<1, I::kSize>(squared_residual, 1e-6);
@@ -95,7 +95,7 @@ TEST_F(PointToPlaneInARoom, WithoutTheExtrinsicItsRowsAreZero) {
   const auto points = test::see(walls_, state_, random_, 200, 0.02);
   PointToPlane residuals{PointToPlaneConfig{}, 1'000};
   residuals.associate(points, state_, *map_);
-  const Linearisation at = residuals.linearise(state_, ErrorCovariance::Zero(), false);
+  const Linearisation at = residuals.linearise(state_, Matrix6d::Zero(), false);
   EXPECT_GT(at.inliers, 100U);
   EXPECT_EQ(at.information.bottomRows(6).norm(), 0.0);
   EXPECT_EQ(at.gradient.tail(6).norm(), 0.0);
@@ -108,10 +108,10 @@ TEST_F(PointToPlaneInARoom, PointsBeyondTheGateAreMatchedButNotUsed) {
   shifted.p_odom_imu += Eigen::Vector3d{0.4, 0.4, 0.4};
   PointToPlane residuals{PointToPlaneConfig{}, 1'000};
   residuals.associate(points, shifted, *map_);
-  const Linearisation sure = residuals.linearise(shifted, ErrorCovariance::Zero(), false);
+  const Linearisation sure = residuals.linearise(shifted, Matrix6d::Zero(), false);
   EXPECT_GT(sure.matched, 200U);
   EXPECT_LT(sure.inliers, sure.matched / 10);
-  ErrorCovariance unsure = ErrorCovariance::Zero();
+  Matrix6d unsure = Matrix6d::Zero();
   unsure.diagonal().segment<3>(I::kPosition).setConstant(0.25);
   const Linearisation open = residuals.linearise(shifted, unsure, false);
   EXPECT_GT(open.inliers, open.matched * 9 / 10) << "an uncertain prior opens the gate";
@@ -127,7 +127,7 @@ TEST_F(PointToPlaneInARoom, AnOutlierInsideTheGateWeighsLess) {
     moved.p_odom_imu += Eigen::Vector3d::Constant(offset_m);
     PointToPlane residuals{robust, 1'000};
     residuals.associate(points, state_, *map_);
-    return residuals.linearise(moved, ErrorCovariance::Zero(), false).information.trace();
+    return residuals.linearise(moved, Matrix6d::Zero(), false).information.trace();
   };
   EXPECT_LT(information_at(0.2), 0.3 * information_at(0.0));
 }
@@ -145,7 +145,7 @@ TEST_F(PointToPlaneInARoom, PointsThatAreNotFiniteAreNotMatched) {
   const std::vector<MeasuredPoint> points{{{kNan, 0, 0}, 1.0F}, {{0, kInf, 0}, 1.0F}, {{1e30F, 0, 0}, 1.0F}};
   PointToPlane residuals{PointToPlaneConfig{}, 10};
   residuals.associate(points, state_, *map_);
-  const Linearisation at = residuals.linearise(state_, ErrorCovariance::Zero(), true);
+  const Linearisation at = residuals.linearise(state_, Matrix6d::Zero(), true);
   EXPECT_EQ(at.matched, 0U);
   EXPECT_TRUE(at.information.allFinite());
 }
@@ -155,14 +155,14 @@ TEST_F(PointToPlaneInARoom, AnEmptyMapMatchesNothing) {
   const auto points = test::see(walls_, state_, random_, 50, 0.0);
   PointToPlane residuals{PointToPlaneConfig{}, 100};
   residuals.associate(points, state_, *map_);
-  EXPECT_EQ(residuals.linearise(state_, ErrorCovariance::Zero(), true).matched, 0U);
+  EXPECT_EQ(residuals.linearise(state_, Matrix6d::Zero(), true).matched, 0U);
 }
 
 TEST_F(PointToPlaneInARoom, MorePointsThanItsCapacityAreCutOff) {
   const auto points = test::see(walls_, state_, random_, 500, 0.0);
   PointToPlane residuals{PointToPlaneConfig{}, 100};
   residuals.associate(points, state_, *map_);
-  EXPECT_EQ(residuals.linearise(state_, ErrorCovariance::Zero(), false).matched, 100U);
+  EXPECT_EQ(residuals.linearise(state_, Matrix6d::Zero(), false).matched, 100U);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <iomanip>
 
 namespace slamd::replay {
 
@@ -14,6 +15,13 @@ void write_time(std::ostream& out, HostTime time) {
   std::snprintf(text.data(), text.size(), "%lld.%09lld", static_cast<long long>(to_ns(time) / kSecond),
                 static_cast<long long>(to_ns(time) % kSecond));
   out << text.data();
+}
+
+void write_upper(std::ostream& out, const Matrix6d& covariance) {
+  for (int i = 0; i < 6; ++i) {
+    for (int j = i; j < 6; ++j) out << ',' << covariance(i, j);
+  }
+  out << '\n';
 }
 
 }  // namespace
@@ -34,15 +42,21 @@ Output::Output(const std::string& folder) : folder_{folder} {
   odom_.open(path("odom.tum"));
   imu_rate_.open(path("imu_rate.tum"));
   covariance_.open(path("covariance.csv"));
+  keyframes_.open(path("keyframes.csv"));
 }
 
 void Output::scan(const NavState& state) {
   write_tum(odom_, state.time, state.T_odom_base);
   write_time(covariance_, state.time);
-  for (int i = 0; i < 6; ++i) {
-    for (int j = i; j < 6; ++j) covariance_ << ',' << state.covariance(i, j);
-  }
-  covariance_ << '\n';
+  write_upper(covariance_, state.covariance);
+}
+
+void Output::keyframe(const Keyframe& keyframe) {
+  write_time(keyframes_, keyframe.state.time);
+  const Eigen::Vector3d& up = keyframe.up_base;
+  keyframes_ << std::setprecision(9) << ',' << up.x() << ',' << up.y() << ',' << up.z() << std::setprecision(6) << ','
+             << keyframe.up_sigma_rad;
+  write_upper(keyframes_, keyframe.relative_covariance);
 }
 
 void Output::imu_rate(const NavState& state) { write_tum(imu_rate_, state.time, state.T_odom_base); }
@@ -51,7 +65,8 @@ bool Output::finish() {
   odom_.flush();
   imu_rate_.flush();
   covariance_.flush();
-  return odom_.good() && imu_rate_.good() && covariance_.good();
+  keyframes_.flush();
+  return odom_.good() && imu_rate_.good() && covariance_.good() && keyframes_.good();
 }
 
 }  // namespace slamd::replay

@@ -1,10 +1,10 @@
 #pragma once
-// The files that a replay writes while it runs: odom.tum, imu_rate.tum and covariance.csv. The map comes at the end.
+// The files that a replay writes while it runs: odom.tum, imu_rate.tum, covariance.csv, keyframes.csv. The map comes at the end.
 
 #include <fstream>
 #include <string>
 
-#include "estimator/types/nav_state.hpp"
+#include "estimator/types/keyframe.hpp"
 
 namespace slamd::replay {
 
@@ -19,6 +19,8 @@ class Output {
   /// One pose a scan, and its covariance (upper triangle, rows as NavState::covariance).
   void scan(const NavState& state);
   void imu_rate(const NavState& state);
+  /// Time, up_base, up_sigma_rad and the upper triangle of relative_covariance.
+  void keyframe(const Keyframe& keyframe);
   /// Flushes; false when anything could not be written (disk full).
   bool finish();
 
@@ -26,7 +28,7 @@ class Output {
 
  private:
   std::string folder_;
-  std::ofstream odom_, imu_rate_, covariance_;
+  std::ofstream odom_, imu_rate_, covariance_, keyframes_;
 };
 
 }  // namespace slamd::replay

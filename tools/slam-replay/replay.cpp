@@ -63,8 +63,14 @@ void Replay::keep(const ScanResult& result, Output& output) {
   ++report_.scans;
   output.scan(state);
   if (!result.is_keyframe) return;
-  const std::uint64_t id = report_.keyframes++;
-  if (with_map_) map_.add({.id = id, .state = state, .points = odometry_.keyframe_points()});
+  keyframe_.id = report_.keyframes++;
+  keyframe_.state = state;
+  keyframe_.relative_covariance = result.relative_covariance;
+  keyframe_.up_base = result.up.up_base;
+  keyframe_.up_sigma_rad = result.up.sigma_rad;
+  keyframe_.points = odometry_.keyframe_points();
+  output.keyframe(keyframe_);
+  if (with_map_) map_.add(keyframe_);
 }
 
 }  // namespace slamd::replay

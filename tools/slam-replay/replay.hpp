@@ -34,6 +34,7 @@ class Replay {
   StageTimes times_;
   Report report_;
   HostTime first_, last_;
+  Keyframe keyframe_;  // the newest
   bool with_map_ = true;
 };
 
