@@ -20,10 +20,10 @@ ConfigFaults contradictions(const std::string& name, const Config& c) {
   demand(c.nmea.noise.sigma_min_m <= c.nmea.noise.sigma_max_m, "gnss.sigma_min_m", "must not exceed gnss.sigma_max_m");
   demand(c.imu.serial.path != c.gnss.serial.path || c.imu.serial.path.empty(), "gnss.device",
          "must differ from imu.device");
-  const SegmenterConfig& segments = c.odometry.scan.segmenter;
+  const SegmenterConfig& segments = c.odometry.scans.assembler.segmenter;
   demand(segments.min_range_m < segments.max_range_m, "odometry.scan.min_range_m",
          "must be below odometry.scan.max_range_m");
-  demand(c.odometry.usable_sigma_m <= c.odometry.lost_sigma_m, "odometry.usable_sigma_m",
+  demand(c.odometry.status.usable_sigma_m <= c.odometry.status.lost_sigma_m, "odometry.usable_sigma_m",
          "must not exceed odometry.lost_sigma_m");
   return faults;
 }

@@ -19,30 +19,63 @@ void append(Fields& fields, Fields more) {
 
 Fields facade_fields(OdometryConfig& c) {
   return {
-      {"odometry.imu_deadline_s", &c.imu_deadline_s, "s", {0, 1}, "a scan waits so long for the IMU to cover it"},
-      {"odometry.imu_timeout_s", &c.imu_timeout_s, "s", kSeconds, "no sample for so long: DEGRADED no_imu"},
+      {"odometry.imu_deadline_s", &c.scans.imu_deadline_s, "s", {0, 1}, "a scan waits so long for the IMU to cover it"},
+      {"odometry.imu_timeout_s", &c.imu.timeout_s, "s", kSeconds, "no usable sample for so long: DEGRADED no_imu"},
       {"odometry.lidar_timeout_s", &c.lidar_timeout_s, "s", kSeconds, "no scan for so long: DEGRADED no_lidar"},
-      {"odometry.max_test_ratio", &c.max_test_ratio, "", {0.1, 1000},
+      {"odometry.max_test_ratio", &c.status.max_test_ratio, "", {0.1, 1000},
        "mean squared normalised residual beyond which scan and map disagree"},
-      {"odometry.found_velocity_sigma_mps", &c.found_velocity_sigma_mps, "m/s", kSigma,
-       "of velocity after those scans"},
-      {"odometry.drift.position_m_rtm", &c.map_drift.position_m_rtm, "m/rtm", {0, 1}, "random walk of the local map"},
-      {"odometry.drift.attitude_rad_rtm", &c.map_drift.attitude_rad_rtm, "rad/rtm", {0, 1}, "likewise"},
-      {"odometry.drift.first_tilt_rad", &c.map_drift.first_tilt_rad, "rad", {0, 1}, "of a map just begun"},
-      {"odometry.drift.first_heading_rad", &c.map_drift.first_heading_rad, "rad", {0, 1}, "likewise"},
-      {"odometry.drift.first_position_m", &c.map_drift.first_position_m, "m", {0, 10}, "likewise"},
-      {"odometry.usable_sigma_m", &c.usable_sigma_m, "m", kMetres, "position sigma beyond which the pose is DEGRADED"},
-      {"odometry.lost_sigma_m", &c.lost_sigma_m, "m", kMetres, "position sigma beyond which the pose is LOST"},
-      {"odometry.max_unfused_scans", &c.max_unfused_scans, "", kCount, "in a row; then a new local map is begun"},
-      {"odometry.moving_start_scans", &c.moving_start_scans, "", kCount,
-       "until velocity is known after a moving start"},
-      {"odometry.keyframe_distance_m", &c.keyframe_distance_m, "m", kMetres, "travel between two keyframes"},
-      {"odometry.keyframe_angle_rad", &c.keyframe_angle_rad, "rad", {0.01, 3.14}, "rotation between two keyframes"},
+      {"odometry.usable_sigma_m", &c.status.usable_sigma_m, "m", kMetres,
+       "position sigma beyond which the pose is DEGRADED"},
+      {"odometry.lost_sigma_m", &c.status.lost_sigma_m, "m", kMetres, "position sigma beyond which the pose is LOST"},
+      {"odometry.max_unfused_scans", &c.fusion.max_unfused_scans, "", kCount,
+       "in a row; then a new local map is begun"},
+      {"odometry.keyframe_distance_m", &c.keyframes.distance_m, "m", kMetres, "travel between two keyframes"},
+      {"odometry.keyframe_angle_rad", &c.keyframes.angle_rad, "rad", {0.01, 3.14}, "rotation between two keyframes"},
   };
 }
 
-Fields initialisation_fields(InitialisationConfig& c) {
+Fields drift_fields(MapDriftConfig& c) {
   return {
+      {"odometry.drift.position_m_rtm", &c.position_m_rtm, "m/rtm", {0, 1}, "random walk of the local map"},
+      {"odometry.drift.attitude_rad_rtm", &c.attitude_rad_rtm, "rad/rtm", {0, 1}, "likewise"},
+      {"odometry.drift.first_tilt_rad", &c.first_tilt_rad, "rad", {0, 1}, "of a map just begun"},
+      {"odometry.drift.first_heading_rad", &c.first_heading_rad, "rad", {0, 1}, "likewise"},
+      {"odometry.drift.first_position_m", &c.first_position_m, "m", {0, 10}, "likewise"},
+  };
+}
+
+Fields moving_start_fields(VelocitySearchConfig& c) {
+  return {
+      {"odometry.moving_start.scans", &c.scans, "", kCount, "fused ones until velocity is known"},
+      {"odometry.moving_start.found_sigma_mps", &c.found_sigma_mps, "m/s", kSigma, "of velocity after those scans"},
+      {"odometry.moving_start.limit_s", &c.limit_s, "s", kSeconds, "velocity not found in this time: LOST until it is"},
+      {"odometry.moving_start.max_unfused", &c.max_unfused, "", kCount,
+       "scans in a row; then the search goes on from the newest one"},
+  };
+}
+
+Fields sanity_fields(ImuSanityConfig& c) {
+  return {
+      {"odometry.imu_sanity.frozen_s", &c.frozen_s, "s", kSeconds, "all six values the same for so long: stuck"},
+      {"odometry.imu_sanity.frozen_part_s", &c.frozen_part_s, "s", kSeconds,
+       "likewise the three of gyro or accelerometer alone"},
+      {"odometry.imu_sanity.most_gyro_rads", &c.most_gyro_rads, "rad/s", {1, 1000}, "a sample beyond is not used"},
+      {"odometry.imu_sanity.most_accel_mps2", &c.most_accel_mps2, "m/s^2", {10, 10'000}, "likewise"},
+      {"odometry.imu_sanity.least_force_mps2", &c.least_force_mps2, "m/s^2", {0, 9},
+       "a vehicle feels less only for a moment"},
+      {"odometry.imu_sanity.most_force_mps2", &c.most_force_mps2, "m/s^2", {11, 10'000}, "and more likewise"},
+      {"odometry.imu_sanity.most_turn_rads", &c.most_turn_rads, "rad/s", {0.1, 1000}, "it turns faster likewise"},
+      {"odometry.imu_sanity.implausible_s", &c.implausible_s, "s", kSeconds, "and this is the moment"},
+      {"odometry.imu_sanity.sane_again_s", &c.sane_again_s, "s", kSeconds,
+       "of good samples until a broken IMU is believed again"},
+  };
+}
+
+Fields start_fields(StarterConfig& start) {
+  InitialisationConfig& c = start.initialisation;
+  return {
+      {"odometry.start.imu_grace_s", &start.imu_grace_s, "s", {0, 60},
+       "the LiDAR waits so long for the first IMU sample, then starts without"},
       {"odometry.start.rest_s", &c.rest_s, "s", kSeconds, "of stillness make a start at rest"},
       {"odometry.start.min_s", &c.min_s, "s", kSeconds, "of any motion make a start while moving"},
       {"odometry.start.still_gyro_std_rads", &c.still_gyro_std_rads, "rad/s", kSigma,
@@ -174,11 +207,14 @@ Fields registration_fields(ScanRegistrationConfig& c) {
 
 Fields odometry_fields(OdometryConfig& c) {
   Fields fields = facade_fields(c);
-  append(fields, initialisation_fields(c.initialisation));
-  append(fields, scan_fields(c.scan));
+  append(fields, drift_fields(c.fusion.map_drift));
+  append(fields, start_fields(c.start));
+  append(fields, moving_start_fields(c.fusion.velocity_search));
+  append(fields, sanity_fields(c.imu.sanity));
+  append(fields, scan_fields(c.scans.assembler));
   append(fields, dead_reckoning_fields(c.dead_reckoning));
-  append(fields, map_fields(c.registration.map));
-  append(fields, registration_fields(c.registration));
+  append(fields, map_fields(c.fusion.registration.map));
+  append(fields, registration_fields(c.fusion.registration));
   return fields;
 }
 

@@ -20,6 +20,10 @@ struct DeadReckoningSummary {
   double measured_s = 0.0;
   double coasted_s = 0.0;
   bool clipped = false;
+
+  DeadReckoningSummary operator+(const DeadReckoningSummary& next) const {
+    return {measured_s + next.measured_s, coasted_s + next.coasted_s, clipped || next.clipped};
+  }
 };
 
 class DeadReckoning {

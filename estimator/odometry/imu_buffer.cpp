@@ -3,8 +3,7 @@
 namespace slamd {
 
 bool ImuBuffer::push(const ImuSample& sample) {
-  const bool finite = sample.gyro_rads.allFinite() && sample.accel_mps2.allFinite();
-  if (!finite || (!empty() && sample.time <= newest().time)) return false;
+  if (!empty() && sample.time <= newest().time) return false;
   if (count_ == kCapacity) {
     first_ = (first_ + 1) % kCapacity;
     --count_;
@@ -32,7 +31,7 @@ ImuSample ImuBuffer::at(HostTime t) const {
   const std::size_t after = first_after(t);
   if (after == 0) return (*this)[0];
   const ImuSample& a = (*this)[after - 1];
-  if (after == count_) return a;
+  if (after == count_ || a.time == t) return a;
   const ImuSample& b = (*this)[after];
   const double share = to_seconds(t - a.time) / to_seconds(b.time - a.time);
   ImuSample out = a;

@@ -12,9 +12,11 @@ class ImuBuffer {
  public:
   static constexpr std::size_t kCapacity = 2'048;  // 10 s at 200 Hz; older samples are overwritten
 
-  /// False and nothing stored when the sample is not younger than the newest one or is not finite.
+  /// False and nothing stored when the sample is not younger than the newest one.
   bool push(const ImuSample& sample);
   void clear() { first_ = count_ = 0; }
+  /// Forgets the samples younger than t.
+  void drop_after(HostTime t) { count_ = first_after(t); }
 
   bool empty() const { return count_ == 0; }
   std::size_t size() const { return count_; }

@@ -4,8 +4,9 @@
 
 namespace slamd {
 
-PosePredictor::PosePredictor(const VehicleGeometry& geometry, const DeadReckoningConfig& config)
-    : T_base_imu_{geometry.T_base_imu}, dead_reckoning_{config} {}
+PosePredictor::PosePredictor(const VehicleGeometry& geometry, const DeadReckoningConfig& dead_reckoning,
+                             const ImuIntakeConfig& imu)
+    : T_base_imu_{geometry.T_base_imu}, dead_reckoning_{dead_reckoning}, imu_{imu} {}
 
 void PosePredictor::correct(const FilterSnapshot& snapshot, const NavState& posterior) {
   filter_ = snapshot;
@@ -14,8 +15,8 @@ void PosePredictor::correct(const FilterSnapshot& snapshot, const NavState& post
 }
 
 NavState PosePredictor::add(const ImuSample& sample) {
-  samples_.push(sample);
-  return coast_to(sample.time);
+  imu_.add(sample);
+  return coast_to(std::min(sample.time, sample.arrival));
 }
 
 NavState PosePredictor::coast_to(HostTime time) {
@@ -24,7 +25,7 @@ NavState PosePredictor::coast_to(HostTime time) {
     none.time = time;
     return none;
   }
-  if (time > filter_.time) dead_reckoning_.advance(samples_, time, filter_, [](const FilterSnapshot&) {});
+  if (time > filter_.time) dead_reckoning_.advance(imu_.samples(), time, filter_, [](const FilterSnapshot&) {});
   return state();
 }
 
@@ -34,6 +35,9 @@ NavState PosePredictor::state() const {
   out.reasons = posterior_.reasons;
   out.degenerate_direction = posterior_.degenerate_direction;
   out.lidar_test_ratio = posterior_.lidar_test_ratio;
+  if (!imu_.sanity().is_sane()) out.reasons |= bit(StatusReason::kNoImu);
+  if (imu_.is_clock_unsure(out.time)) out.reasons |= bit(StatusReason::kClockUnsure);
+  if (out.reasons != 0 && out.status == TrackingStatus::kTracking) out.status = TrackingStatus::kDegraded;
   return out;
 }
 

@@ -19,7 +19,7 @@ bool has(const NavState& state, StatusReason reason) { return (state.reasons & b
 
 OdometryConfig small_config() {
   OdometryConfig config;
-  config.registration.map.max_voxels = 30'000;
+  config.fusion.registration.map.max_voxels = 30'000;
   return config;
 }
 
@@ -80,8 +80,10 @@ TEST_F(Odometry, StartsAtRestAndTracksTheDrive) {
   EXPECT_EQ(results_.front().state.status, TrackingStatus::kInitialising);
   EXPECT_EQ(results_.back().state.status, TrackingStatus::kTracking) << "reasons " << results_.back().state.reasons;
   EXPECT_LT(worst_error(1.5), 0.05);
-  EXPECT_EQ(odometry_.stats().scans_unfused, 0U);
-  EXPECT_EQ(odometry_.stats().imu_rejected, 0U);
+  EXPECT_EQ(odometry_.stats().fusion.unfused, 0U);
+  EXPECT_EQ(odometry_.stats().imu.out_of_order, 0U);
+  EXPECT_EQ(odometry_.stats().imu.frozen, 0U);
+  EXPECT_EQ(odometry_.stats().imu.implausible, 0U);
   for (std::size_t i = 1; i < results_.size(); ++i) ASSERT_GT(results_[i].state.time, results_[i - 1].state.time);
 }
 
@@ -215,7 +217,7 @@ TEST_F(Odometry, SamplesOutOfOrderAreCountedAndDoNoHarm) {
         odometry_.add(packet);
         take(packet.arrival);
       });
-  EXPECT_EQ(odometry_.stats().imu_rejected, 1'000U);
+  EXPECT_EQ(odometry_.stats().imu.out_of_order, 1'000U);
   EXPECT_EQ(results_.back().state.status, TrackingStatus::kTracking);
   EXPECT_LT(worst_error(1.5), 0.05);
 }
@@ -237,7 +239,7 @@ TEST_F(Odometry, ValuesThatAreNotFiniteNeverReachThePoseOrAKeyframe) {
         odometry_.add(packet);
         take(packet.arrival);
       });
-  EXPECT_EQ(odometry_.stats().imu_rejected, spoiled / 10);
+  EXPECT_EQ(odometry_.stats().imu.not_finite, spoiled / 10);
   for (const ScanResult& result : results_) {
     ASSERT_TRUE(result.state.covariance.allFinite());
     ASSERT_TRUE(result.state.T_odom_base.translation.allFinite());

@@ -47,14 +47,14 @@ class Predictor : public ::testing::Test {
 };
 
 TEST_F(Predictor, BeforeTheFirstPosteriorItInitialises) {
-  PosePredictor predictor{drive_.vehicle(), config_};
+  PosePredictor predictor{drive_.vehicle(), config_, {}};
   const NavState state = predictor.add(drive_.imu(10));
   EXPECT_EQ(state.status, TrackingStatus::kInitialising);
   EXPECT_EQ(state.time, drive_.imu(10).time);
 }
 
 TEST_F(Predictor, SampleBySampleEqualsOneDeadReckoning) {
-  PosePredictor predictor{drive_.vehicle(), config_};
+  PosePredictor predictor{drive_.vehicle(), config_, {}};
   ImuBuffer samples;
   for (int i = 0; i <= 600; ++i) samples.push(drive_.imu(i));
   for (int i = 0; i <= 600; ++i) predictor.add(drive_.imu(i));
@@ -72,7 +72,7 @@ TEST_F(Predictor, SampleBySampleEqualsOneDeadReckoning) {
 }
 
 TEST_F(Predictor, ACorrectionInThePastAppliesTheYoungerSamplesAnew) {
-  PosePredictor predictor{drive_.vehicle(), config_}, direct{drive_.vehicle(), config_};
+  PosePredictor predictor{drive_.vehicle(), config_, {}}, direct{drive_.vehicle(), config_, {}};
   correct(predictor, snapshot_at(1.0));
   for (int i = 200; i <= 640; ++i) {
     predictor.add(drive_.imu(i));
@@ -86,7 +86,7 @@ TEST_F(Predictor, ACorrectionInThePastAppliesTheYoungerSamplesAnew) {
 }
 
 TEST_F(Predictor, StatusAndReasonsAreThoseOfTheNewestPosterior) {
-  PosePredictor predictor{drive_.vehicle(), config_};
+  PosePredictor predictor{drive_.vehicle(), config_, {}};
   NavState posterior = tracking(snapshot_at(3.0), drive_.vehicle().T_base_imu);
   posterior.status = TrackingStatus::kDegraded;
   posterior.reasons = bit(StatusReason::kDegenerateTranslation);
@@ -101,7 +101,7 @@ TEST_F(Predictor, StatusAndReasonsAreThoseOfTheNewestPosterior) {
 }
 
 TEST_F(Predictor, WithoutSamplesItCoastsWithGrowingCovariance) {
-  PosePredictor predictor{drive_.vehicle(), config_};
+  PosePredictor predictor{drive_.vehicle(), config_, {}};
   correct(predictor, snapshot_at(3.0));
   double last_sigma = 0.0;
   for (const double t : {3.05, 3.1, 3.3, 3.6, 4.0}) {
@@ -117,7 +117,7 @@ TEST_F(Predictor, WithoutSamplesItCoastsWithGrowingCovariance) {
 }
 
 TEST_F(Predictor, ASampleOutOfOrderChangesNothing) {
-  PosePredictor predictor{drive_.vehicle(), config_};
+  PosePredictor predictor{drive_.vehicle(), config_, {}};
   correct(predictor, snapshot_at(3.0));
   const NavState before = predictor.add(drive_.imu(610));
   expect_same(predictor.add(drive_.imu(605)), before);

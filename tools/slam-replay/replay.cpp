@@ -3,7 +3,7 @@
 namespace slamd::replay {
 
 Replay::Replay(const VehicleGeometry& vehicle, const OdometryConfig& odometry, const MapStoreConfig& map)
-    : odometry_{vehicle, odometry}, predictor_{vehicle, odometry.dead_reckoning}, map_{map} {
+    : odometry_{vehicle, odometry}, predictor_{vehicle, odometry.dead_reckoning, odometry.imu}, map_{map} {
   odometry_.set_stage_listener(&times_);
 }
 

@@ -20,7 +20,7 @@ class Replay {
 
   const Report& report() const { return report_; }
   const StageTimes& times() const { return times_; }
-  const OdometryStats& stats() const { return odometry_.stats(); }
+  OdometryStats stats() const { return odometry_.stats(); }
   const MapStore& map() const { return map_; }
 
  private:

@@ -51,7 +51,7 @@ Json status_line(const Report& report) {
 }
 
 Json drops(const Drive& drive, const OdometryStats& stats) {
-  Json out{{"lidar_packets_lost", drive.lidar_stats().lost}, {"scans_late", stats.scans_late}};
+  Json out{{"lidar_packets_lost", drive.lidar_stats().lost}, {"scans_late", stats.scans_late + stats.queue.overtaken}};
   if (drive.imu_reader() != nullptr) out["imu_samples_missing"] = drive.imu_reader()->clock().missing();
   return out;
 }
@@ -70,12 +70,16 @@ Json rejections(const Drive& drive, const OdometryStats& stats) {
     out["imu"] = {{"bad_lines", imu->stats().bad_lines},
                   {"out_of_range", imu->stats().out_of_range},
                   {"backward", imu->stats().backward},
-                  {"out_of_order", stats.imu_rejected}};
+                  {"out_of_order", stats.imu.out_of_order},
+                  {"in_future", stats.imu.in_future},
+                  {"frozen", stats.imu.frozen},
+                  {"implausible", stats.imu.implausible}};
   }
   if (const GpsCsvReader* gps = drive.gps_reader()) {
     out["gps"] = {{"bad_lines", gps->bad_lines()}, {"stale", gps->parser().stats().stale}};
   }
-  out["scans_unfused"] = stats.scans_unfused;
+  out["scans_unfused"] = stats.fusion.unfused;
+  out["scans_repeated"] = stats.queue.repeated;
   return out;
 }
 
@@ -92,8 +96,8 @@ std::string to_json(const Report& report, const StageTimes& times, const Drive& 
     const Stage stage = static_cast<Stage>(i);
     out["stages_ms"][name(stage)] = milliseconds(times.stage(stage));
   }
-  out["scans_fused"] = stats.scans_fused;
-  out["map_restarts"] = stats.map_restarts;
+  out["scans_fused"] = stats.fusion.fused;
+  out["map_restarts"] = stats.fusion.map_restarts;
   out["keyframes"] = report.keyframes;
   out["map_points"] = report.map_points;
   out["gps_fixes"] = report.fixes;

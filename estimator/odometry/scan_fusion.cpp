@@ -1,0 +1,76 @@
+#include "estimator/odometry/scan_fusion.hpp"
+
+#include "estimator/odometry/base_state.hpp"
+
+namespace slamd {
+
+ScanFusion::ScanFusion(const Pose& T_base_imu, const ScanFusionConfig& config)
+    : T_base_imu_{T_base_imu},
+      config_{config},
+      registration_{config.registration},
+      velocity_search_{config.velocity_search},
+      relation_{config.map_drift, T_base_imu} {}
+
+void ScanFusion::begin(const InitialState& first) {
+  registration_.clear_map();
+  relation_.break_off();
+  unfused_ = 0;
+  first.at_rest ? velocity_search_.end() : velocity_search_.begin(first.filter);
+}
+
+UpdateSummary ScanFusion::fuse(const Scan& scan, FilterSnapshot& filter, StageListener* listener) {
+  const auto finished = [listener](Stage stage) {
+    if (listener != nullptr) listener->finished(stage);
+  };
+  registration_.deskew(scan, filter.state.T_imu_lidar);
+  finished(Stage::kDeskew);
+  UpdateSummary update;
+  if (map().size() > 0) update = registration_.update(scan, filter, listener);
+  finished(Stage::kSolve);
+  absorb(update, filter);
+  finished(Stage::kInsert);
+  return update;
+}
+
+/// What the update means for the map. While the velocity is being found scans are skewed by what is wrong with it, so each
+/// is compared with the one before only.
+void ScanFusion::absorb(const UpdateSummary& update, FilterSnapshot& filter) {
+  const bool first = map().size() == 0;
+  const bool searching = velocity_search_.is_on();
+  const bool overdue = velocity_search_.is_overdue(filter.time);
+  if (!first) ++(update.fused ? stats_.fused : stats_.unfused);
+  unfused_ = update.fused || first ? 0 : unfused_ + 1;
+  if (searching && update.fused) velocity_search_.keep_velocity(update, filter);
+  const bool gives_up = unfused_ > (searching ? velocity_search_.max_unfused() : config_.max_unfused_scans);
+  restarted_ = gives_up || (overdue && !velocity_search_.is_on());
+  if (restarted_) ++stats_.map_restarts;
+  if (first || gives_up || (searching && update.fused)) begin_map(first || searching, filter);
+  if (unfused_ == 0) registration_.insert(filter.state);
+}
+
+/// Forgets the local map. What the pose does not know of itself from now on is the new map's own uncertainty; a map that
+/// defines odom has none but its own tilt.
+void ScanFusion::begin_map(bool defines_odom, FilterSnapshot& filter) {
+  registration_.clear_map();
+  relation_.keep_before_new_map(filter);
+  const Matrix6d so_far = base_state(filter, T_base_imu_).covariance;
+  filter.map_covariance = first_drift(config_.map_drift);
+  if (!defines_odom) filter.map_covariance += so_far;
+  filter.covariance.topRows<6>().setZero();
+  filter.covariance.leftCols<6>().setZero();
+  unfused_ = 0;
+}
+
+void ScanFusion::carry_drift(const FilterSnapshot& before, FilterSnapshot& filter) {
+  const Pose T_imu_base = T_base_imu_.inverse();
+  const Pose T_odom_before = before.state.T_odom_imu() * T_imu_base;
+  const Pose T_odom_base = filter.state.T_odom_imu() * T_imu_base;
+  filter.map_covariance = slamd::carry_drift(config_.map_drift, filter.map_covariance, T_odom_before, T_odom_base);
+  relation_.carry(T_odom_before, T_odom_base);
+}
+
+bool ScanFusion::map_is_mature() const {
+  return map().viewpoints() >= config_.registration.update.mature_viewpoints;
+}
+
+}  // namespace slamd

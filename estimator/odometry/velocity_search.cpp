@@ -1,0 +1,28 @@
+#include "estimator/odometry/velocity_search.hpp"
+
+namespace slamd {
+
+using I = ErrorIndex;
+
+void VelocitySearch::begin(const FilterSnapshot& initial) {
+  initial_ = initial;
+  left_ = config_.scans;
+}
+
+void VelocitySearch::keep_velocity(const UpdateSummary& update, FilterSnapshot& filter) {
+  --left_;
+  filter.state.gyro_bias = initial_.state.gyro_bias;
+  filter.state.accel_bias = initial_.state.accel_bias;
+  filter.state.gravity = initial_.state.gravity;
+  filter.covariance = initial_.covariance;
+  const double found = config_.found_sigma_mps * config_.found_sigma_mps;
+  auto velocity = filter.covariance.block<3, 3>(I::kVelocity, I::kVelocity);
+  const double unknown = velocity.diagonal().maxCoeff();
+  if (update.free_translations > 1) return;
+  velocity = found * Eigen::Matrix3d::Identity();
+  if (update.free_translations == 1) {
+    velocity += (unknown - found) * update.free_direction * update.free_direction.transpose();
+  }
+}
+
+}  // namespace slamd
