@@ -31,8 +31,8 @@ constexpr std::uint32_t kEnable = bit(11);  // its source 0 is the USB PLL
 }  // namespace clocks
 namespace resets {
 constexpr Address kReset = 0x4000C000, kDone = 0x4000C008;
-constexpr std::uint32_t kI2c0 = bit(3), kIoBank0 = bit(5), kPadsBank0 = bit(8), kPllUsb = bit(13), kTimer = bit(21),
-                        kUsb = bit(24);
+constexpr std::uint32_t kI2c0 = bit(3), kIoBank0 = bit(5), kPadsBank0 = bit(8), kPllUsb = bit(13), kSysInfo = bit(19),
+                        kTimer = bit(21), kUsb = bit(24);
 }  // namespace resets
 namespace psm {
 constexpr Address kWatchdogSelect = 0x40010008;
