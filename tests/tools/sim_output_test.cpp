@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "tools/slam-sim/output/drive_folder.hpp"
+#include "tools/slam-sim/output/motion_file.hpp"
 #include "tools/slam-sim/output/pty_port.hpp"
 #include "tools/slam-sim/output/slice_queue.hpp"
 
@@ -143,6 +144,29 @@ TEST(SimOutput, APtyDoesNotReplaceARealFile) {
   EXPECT_THROW(PtyPort{link}, std::runtime_error);
   EXPECT_EQ(text_of(link), "precious");
   std::filesystem::remove(link);
+}
+
+TEST(SimOutput, TheMotionFileOfAStandstillIsGravityAtAThousandLinesASecond) {
+  DriveSpec spec = small_drive();
+  spec.course.wobble = {};
+  const Simulation simulation{spec};
+  const auto path = scratch("motion");
+  write_imu_motion(path, simulation, 9.81, 7'000'000'000);
+  std::istringstream lines{text_of(path)};
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "t_ns,gx_rads,gy_rads,gz_rads,ax_mps2,ay_mps2,az_mps2");
+  std::int64_t expected_ns = 7'000'000'000;
+  for (; std::getline(lines, line); expected_ns += 1'000'000) {
+    long long stamp_ns = 0;
+    double w[3], f[3];
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lld,%lf,%lf,%lf,%lf,%lf,%lf", &stamp_ns, w, w + 1, w + 2, f, f + 1, f + 2), 7);
+    ASSERT_EQ(stamp_ns, expected_ns);
+    EXPECT_NEAR(std::hypot(f[0], f[1], f[2]), 9.81, 0.3);
+    EXPECT_LT(std::hypot(w[0], w[1], w[2]), 0.1);
+  }
+  EXPECT_EQ(expected_ns, 7'000'000'000 + 2'501 * 1'000'000LL);
+  std::filesystem::remove(path);
 }
 
 }  // namespace

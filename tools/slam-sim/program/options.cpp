@@ -170,6 +170,8 @@ void add_output(CLI::App& app, Options& o) {
   app.add_option("--imu-pty", l.imu_pty, "symlink to make: the IMU's serial port")->needs(live);
   app.add_option("--gps-pty", l.gps_pty, "symlink to make: the receiver's serial port")->needs(live);
   app.add_option("--truth", l.truth, "write the exact poses there (TUM, CLOCK_MONOTONIC)")->needs(live);
+  app.add_option("--imu-motion", l.imu_motion, "write the exact motion of the IMU there before the start (CSV, 1 kHz)")
+      ->needs(live);
   app.add_option("--start-delay", l.start_delay_s, "between making the ports and the first byte, s")
       ->needs(live)
       ->check(CLI::Range(0.0, 60.0))

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "tools/slam-sim/output/drive_folder.hpp"
+#include "tools/slam-sim/output/motion_file.hpp"
 #include "tools/slam-sim/output/pty_port.hpp"
 #include "tools/slam-sim/output/slice_queue.hpp"
 #include "tools/slam-sim/output/stop_signals.hpp"
@@ -107,6 +108,8 @@ int run_live(const Options& options) {
   queue.wait_for(kReady);
   raise_priority();
   const std::int64_t start_ns = now_ns() + std::llround(options.live_options.start_delay_s * 1e9);
+  if (!options.live_options.imu_motion.empty())
+    write_imu_motion(options.live_options.imu_motion, simulation, options.drive.imu.gravity_mps2, start_ns);
   TruthFile truth{options.live_options.truth, simulation.trajectory(), start_ns};
   Progress progress{options.scenario, duration, options.quiet};
   std::int64_t worst_late_ns = 0;
