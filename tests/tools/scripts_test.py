@@ -170,6 +170,11 @@ class InstallPackages(Folder):
         self.assertEqual(self.run_script(), (0, "packages: all installed\n"))
         self.assertEqual(self.called(), [])
 
+    def test_a_package_that_another_one_contains_is_not_missing(self):
+        self.stand_in("dpkg-query", """case "$*" in *have-it*) echo -n installed ;; *Provides*)
+          echo "installed,other, missing-two (= 1)"; echo "not-installed,missing-one" ;; *) exit 1 ;; esac""")
+        self.assertEqual(self.run_script("--check"), (1, "packages missing: missing-one\n"))
+
     def test_unknown_option_and_unreadable_list(self):
         self.assertEqual(self.run_script("--bogus")[0], 2)
         self.list = "/nonexistent"
@@ -199,6 +204,11 @@ class CountTests(Folder):
         junit = self.write("ctest.xml", '<testsuite><testcase name="a" status="fail"><system-out>..F\n----\nRan 9 tests in 1.2s'
                                         '\n\nFAILED (failures=1, errors=2, skipped=1)</system-out></testcase></testsuite>')
         self.assertEqual(count_tests.count(junit, os.path.join(self.root, "gtest")), [5, 3, 1])
+
+    def test_cases_of_node_are_summed(self):
+        junit = self.write("ctest.xml", '<testsuite><testcase name="a" status="fail"><system-out># tests 7\n# suites 0\n# pass 4\n'
+                                        '# fail 1\n# cancelled 1\n# skipped 1\n</system-out></testcase></testsuite>')
+        self.assertEqual(count_tests.count(junit, os.path.join(self.root, "gtest")), [4, 2, 1])
 
     def test_a_failure_after_passed_cases_is_not_lost(self):
         report = '<testsuites><testsuite><testcase status="run" result="completed"/></testsuite></testsuites>'
@@ -266,7 +276,7 @@ class TestOptions(unittest.TestCase):
     def test_help_names_every_stage(self):
         run = self.run_test("--help")
         self.assertEqual(run.returncode, 0)
-        for stage in ("includes", "build", "unit", "replay", "e2e", "asan", "tsan", "fuzz"):
+        for stage in ("includes", "build", "unit", "firmware", "replay", "e2e", "asan", "tsan", "fuzz"):
             self.assertIn(f"\n  {stage} ", run.stdout)
 
     def test_wrong_options_end_with_2(self):

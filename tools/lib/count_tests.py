@@ -1,7 +1,7 @@
 """Sums the test cases of one ctest run: `count_tests.py JUNIT GTEST_DIR` prints `passed failed skipped`.
 
-A GoogleTest binary counts its cases from GTEST_DIR/NAME.xml, a Python unittest script those that it printed; any other
-ctest test, and a program that died before it said its count, counts as one case.
+A GoogleTest binary counts its cases from GTEST_DIR/NAME.xml, a Python unittest script and a node test those that they
+printed; any other ctest test, and a program that died before it said its count, counts as one case.
 """
 import glob
 import os
@@ -39,6 +39,14 @@ def unittest_cases(output):
     return max(0, int(ran[-1]) - failed - skipped), failed, skipped
 
 
+def node_cases(output):
+    """(passed, failed, skipped) of node's test runner, TAP reporter; None when it printed no summary."""
+    number = {kind: int(count) for kind, count in re.findall(r"^# (pass|fail|cancelled|skipped) (\d+)$", output, re.MULTILINE)}
+    if "pass" not in number:
+        return None
+    return number["pass"], number.get("fail", 0) + number.get("cancelled", 0), number.get("skipped", 0)
+
+
 def ctest_results(path):
     """[(name, "run" | "fail" | "disabled" | ..., output)] of ctest's JUnit file."""
     return [(case.get("name"), case.get("status"), case.findtext("system-out") or "")
@@ -53,7 +61,7 @@ def count(junit_path, gtest_dir):
 
     reports = {os.path.basename(path)[:-4]: gtest_cases(path) for path in glob.glob(os.path.join(gtest_dir, "*.xml"))}
     for name, status, output in ctest_results(junit_path):
-        cases = reports.pop(name, None) or unittest_cases(output)
+        cases = reports.pop(name, None) or unittest_cases(output) or node_cases(output)
         ok = status == "run"
         if cases is None:
             cases = (1, 0, 0) if ok else ((0, 0, 1) if status in ("disabled", "notrun") else (0, 1, 0))
