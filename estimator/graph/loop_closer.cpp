@@ -1,0 +1,249 @@
+#include "estimator/graph/loop_closer.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace slamd {
+
+namespace {
+
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kSigmas = 3.0;
+constexpr double kSureDistance_m = 0.7;   // registration finds home from here by itself
+constexpr double kSureYaw_rad = 2.0 * std::numbers::pi / 180.0;
+constexpr double kDoubtfulWeight = 0.1;
+constexpr std::uint32_t kDoubtsToRetract = 2;
+constexpr std::size_t kPreselected = 12;
+constexpr PlanarWindow kLookAlikeWindow{.distance_m = 15.0, .yaw_rad = 0.16};
+
+PlanarPose planar(const Pose& T) {
+  const Eigen::Vector3d ahead = T.rotation * Eigen::Vector3d::UnitX();
+  return {T.translation.x(), T.translation.y(), std::atan2(ahead.y(), ahead.x())};
+}
+
+Pose spatial(const PlanarPose& T, double height_m) {
+  return {Eigen::Quaterniond{Eigen::AngleAxisd{T.yaw_rad, Eigen::Vector3d::UnitZ()}}, {T.x_m, T.y_m, height_m}};
+}
+
+/// The larger of the two horizontal sigmas.
+double horizontal_sigma_m(const Matrix6d& covariance) {
+  const Eigen::Matrix2d xy = covariance.topLeftCorner<2, 2>();
+  return std::sqrt(std::max(0.0, xy.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff()));
+}
+
+/// The closure of the bases from the match of the level frames.
+LoopClosure closure_of(const Submap& target, const Submap& source, const RelativePose& T_target_source) {
+  const RelativePose T_from_to = RelativePose{target.T_level_base.inverse()} * T_target_source *
+                                 RelativePose{source.T_level_base};
+  return {target.centre, source.centre, T_from_to.T_a_b, T_from_to.covariance};
+}
+
+}  // namespace
+
+LoopCloser::LoopCloser(const LoopCloserConfig& config, const Eigen::Vector3d& p_base_lidar)
+    : config_{config}, clouds_{config.clouds, p_base_lidar} {}
+
+void LoopCloser::add(const Keyframe& keyframe) {
+  const Eigen::Vector3d& position = keyframe.state.T_odom_base.translation;
+  driven_m_.push_back(driven_m_.empty() ? 0.0 : driven_m_.back() + (position - last_position_).norm());
+  last_position_ = position;
+  clouds_.add(keyframe.points);
+}
+
+bool LoopCloser::update(const GraphView& view) {
+  const std::vector<std::size_t> before = believed_;
+  const std::size_t size = std::min({clouds_.size(), view.keyframes.size(), view.odometry.size()});
+  for (; next_ + config_.keyframes_ahead < size; next_ += config_.search_every) look_from(view, next_);
+  collect();
+  return believed_ != before;
+}
+
+void LoopCloser::look_from(const GraphView& view, std::size_t to) {
+  std::vector<Candidate> candidates = near_candidates(view, to);
+  for (Candidate& candidate : candidates) {
+    if (verify(view, candidate) != LoopStage::kAccepted) reports_.push_back(candidate.report);
+  }
+  places_.push_back(to);
+  descriptors_.push_back(
+      describe(clouds_.submap(view.odometry, to, config_.keyframes_behind, config_.keyframes_ahead)));
+}
+
+/// Earlier keyframes within the radius of where we may be: the nearest one, or those that look alike when the radius has
+/// grown so far that the nearest means little.
+std::vector<LoopCloser::Candidate> LoopCloser::near_candidates(const GraphView& view, std::size_t to) const {
+  const Eigen::Vector3d& p_map = view.keyframes[to].T_map_base.translation;
+  std::size_t nearest = to;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  double radius_m = config_.radius_m;
+  for (std::size_t from = 0; from + config_.min_keyframes_back <= to; ++from) {
+    const double distance_m = (view.keyframes[from].T_map_base.translation - p_map).norm();
+    if (distance_m >= nearest_m || !is_loop(view, from, to)) continue;
+    nearest = from;
+    nearest_m = distance_m;
+  }
+  if (nearest == to) return {};
+  radius_m += kSigmas * horizontal_sigma_m(view.odometry.relative_covariance(nearest, to));
+  if (radius_m > 2.0 * config_.radius_m) return look_alikes(view, to, radius_m);
+  if (nearest_m > radius_m) return {};
+  return {candidate(view, nearest, to)};
+}
+
+std::vector<LoopCloser::Candidate> LoopCloser::look_alikes(const GraphView& view, std::size_t to,
+                                                           double radius_m) const {
+  const Eigen::Vector3d& p_map = view.keyframes[to].T_map_base.translation;
+  const PlaceDescriptor here =
+      describe(clouds_.submap(view.odometry, to, config_.keyframes_behind, config_.keyframes_ahead));
+  std::vector<PlaceMatch> matches;
+  for (std::size_t i = 0; i < places_.size() && places_[i] + config_.min_keyframes_back <= to; ++i) {
+    const bool in_reach = (view.keyframes[places_[i]].T_map_base.translation - p_map).norm() < radius_m;
+    if (!in_reach || !is_loop(view, places_[i], to)) continue;
+    matches.push_back({.place = i, .distance = ring_key_distance(descriptors_[i], here)});
+  }
+  const auto closer = [](const PlaceMatch& a, const PlaceMatch& b) { return a.distance < b.distance; };
+  std::ranges::stable_sort(matches, closer);
+  matches.resize(std::min(matches.size(), kPreselected));
+  for (PlaceMatch& m : matches) {
+    const std::size_t place = m.place;
+    m = match(descriptors_[place], here);
+    m.place = place;
+  }
+  std::ranges::stable_sort(matches, closer);
+  std::vector<Candidate> candidates;
+  for (const PlaceMatch& m : matches) {
+    if (candidates.size() == config_.candidates_by_appearance || m.distance > config_.max_descriptor_distance) break;
+    Candidate found = candidate(view, places_[m.place], to);
+    found.T_from_to = {.x_m = 0.0, .y_m = 0.0, .yaw_rad = m.yaw_rad};
+    found.height_m = kNoNumber;
+    found.window = kLookAlikeWindow;
+    found.report.by_appearance = true;
+    found.report.descriptor_distance = m.distance;
+    candidates.push_back(found);
+  }
+  return candidates;
+}
+
+/// The vehicle went away and came back.
+bool LoopCloser::is_loop(const GraphView& view, std::size_t from, std::size_t to) const {
+  const double straight_m = (view.odometry.T_odom_base(from).translation - view.odometry.T_odom_base(to).translation).norm();
+  return driven_m_[to] - driven_m_[from] > 3.0 * straight_m + config_.min_detour_m;
+}
+
+LoopCloser::Candidate LoopCloser::candidate(const GraphView& view, std::size_t from, std::size_t to) const {
+  const Pose& T_map_from = view.keyframes[from].T_map_base;
+  const Pose& T_map_to = view.keyframes[to].T_map_base;
+  const Pose T_from_to = level(T_map_from).inverse() * level(T_map_to);
+  const Matrix6d covariance = view.odometry.relative_covariance(from, to);
+  Candidate result;
+  result.from = from;
+  result.to = to;
+  result.T_from_to = planar(T_from_to);
+  result.height_m = T_from_to.translation.z();
+  result.window = {.distance_m = kSigmas * horizontal_sigma_m(covariance),
+                   .yaw_rad = kSigmas * std::sqrt(std::max(0.0, covariance(5, 5)))};
+  result.report = {.from = from,
+                   .to = to,
+                   .distance_m = T_from_to.translation.norm(),
+                   .descriptor_distance = kNoNumber,
+                   .fitness = kNoNumber,
+                   .overlap = kNoNumber,
+                   .free_space_share = kNoNumber,
+                   .odometry_chi2 = kNoNumber,
+                   .consistency_chi2 = kNoNumber,
+                   .graph_weight = kNoNumber};
+  return result;
+}
+
+LoopStage LoopCloser::try_pair(const GraphView& view, std::uint64_t from, std::uint64_t to) {
+  Candidate pair = candidate(view, from, to);
+  const LoopStage stage = verify(view, pair);
+  if (stage != LoopStage::kAccepted) reports_.push_back(pair.report);
+  collect();
+  return stage;
+}
+
+/// A better first guess where the window is wide. False: nothing fits, or several places fit equally well.
+bool LoopCloser::guess(const Submap& target, const Submap& source, Candidate& candidate) const {
+  if (candidate.window.distance_m < kSureDistance_m && candidate.window.yaw_rad < kSureYaw_rad) return true;
+  const PlanarMatch found = search(BirdView{target}, BirdView{source}, candidate.T_from_to, candidate.window);
+  candidate.T_from_to = found.T_target_source;
+  candidate.height_m = found.height_m;
+  const bool wide = candidate.window.distance_m > 2.0 * PlanarMatch::kApart_m;
+  return found.score >= config_.min_search_score && !(wide && found.runner_up > config_.max_runner_up * found.score);
+}
+
+LoopStage LoopCloser::verify(const GraphView& view, Candidate& candidate) {
+  LoopCandidateReport& report = candidate.report;
+  const auto ends = [&](LoopStage stage) { return report.ended_at = stage; };
+  const std::uint32_t behind = config_.keyframes_behind;
+  const Submap target = clouds_.submap(view.odometry, candidate.from, behind, behind);
+  const Submap source = clouds_.submap(view.odometry, candidate.to, behind, config_.keyframes_ahead);
+  if (!guess(target, source, candidate)) return ends(LoopStage::kSearch);
+
+  PlaneMap target_surfaces = surfaces(target.points);
+  PlaneMap source_surfaces = surfaces(source.points);
+  const SubmapMatch match = register_submap(
+      target_surfaces, choose_points(source.points, source_surfaces, config_.registration.max_points),
+      spatial(candidate.T_from_to, candidate.height_m), config_.registration);
+  report.fitness = match.inlier_share;
+  if (!match.converged || match.inlier_share < config_.min_fitness) return ends(LoopStage::kRegistration);
+  report.overlap = match.overlap;
+  if (match.overlap < config_.min_overlap) return ends(LoopStage::kOverlap);
+
+  const Pose& T_target_source = match.T_target_source.T_a_b;
+  report.free_space_share =
+      std::max(check_free_space(target_surfaces, source, T_target_source, config_.free_space).share(),
+               check_free_space(source_surfaces, target, T_target_source.inverse(), config_.free_space).share());
+  if (report.free_space_share > config_.max_free_space_share) return ends(LoopStage::kFreeSpace);
+
+  const LoopClosure closure = closure_of(target, source, match.T_target_source);
+  report.odometry_chi2 = odometry_distance2(view.odometry, closure);
+  if (report.odometry_chi2 > config_.max_chi2) return ends(LoopStage::kOdometry);
+  report.ended_at = LoopStage::kAccepted;
+  take_in(view, closure, report);
+  return LoopStage::kAccepted;
+}
+
+void LoopCloser::take_in(const GraphView& view, const LoopClosure& closure, LoopCandidateReport report) {
+  std::vector<std::size_t> agrees_with;
+  report.consistency_chi2 = passed_.empty() ? kNoNumber : 0.0;
+  for (std::size_t i = 0; i < passed_.size(); ++i) {
+    const double chi2 = ring_distance2(view.odometry, closure, passed_[i].closure);
+    if (chi2 > config_.max_chi2) continue;
+    agrees_with.push_back(i);
+    report.consistency_chi2 = std::max(report.consistency_chi2, chi2);
+  }
+  agreement_.add(agrees_with);
+  passed_.push_back({.closure = closure, .report = reports_.size()});
+  reports_.push_back(report);
+}
+
+/// closures_ anew from the largest consistent set.
+void LoopCloser::collect() {
+  believed_.clear();
+  closures_.clear();
+  for (const std::size_t node : agreement_.largest_clique()) {
+    if (!passed_[node].retracted) believed_.push_back(node);
+  }
+  std::ranges::sort(believed_);
+  for (Passed& p : passed_) {
+    reports_[p.report].ended_at = p.retracted ? LoopStage::kGraph : LoopStage::kConsistency;
+  }
+  for (const std::size_t node : believed_) {
+    reports_[passed_[node].report].ended_at = LoopStage::kAccepted;
+    closures_.push_back(passed_[node].closure);
+  }
+}
+
+void LoopCloser::weigh(std::span<const double> weights) {
+  for (std::size_t i = 0; i < std::min(weights.size(), believed_.size()); ++i) {
+    Passed& p = passed_[believed_[i]];
+    reports_[p.report].graph_weight = weights[i];
+    p.doubts = weights[i] < kDoubtfulWeight ? p.doubts + 1 : 0;
+    p.retracted = p.retracted || p.doubts >= kDoubtsToRetract;
+  }
+}
+
+}  // namespace slamd

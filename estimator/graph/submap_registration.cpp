@@ -1,0 +1,160 @@
+#include "estimator/graph/submap_registration.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace slamd {
+
+namespace {
+
+constexpr float kSeen_m = 1.0F;               // from a point of the target: it saw the place
+constexpr float kSameThing_m = 0.4F;          // likewise, where there is no plane: foliage, poles
+constexpr float kGroundNormal = 0.8F;         // vertical share of a normal from which a surface is ground
+constexpr double kLever_m = 10.0;
+constexpr double kNormalNoiseFactor = 4.0;    // neighbouring points share their plane and so its noise
+constexpr double kConverged_m = 5.0e-4;
+constexpr double kConverged_rad = 2.0e-5;
+constexpr double kPriorInformation = 1.0e-4;  // keeps a free direction where it was, far below any real measurement
+
+struct NormalEquations {
+  Matrix6d H = kPriorInformation * Matrix6d::Identity();
+  Matrix6d H_normals = Matrix6d::Zero();  // the part of H that noise of the normals makes on average
+  Vector6d g = Vector6d::Zero();
+  double squares = 0.0;
+  std::uint32_t inliers = 0;
+};
+
+/// Jacobian of n.(T Exp(e) p) by e.
+Vector6d jacobian(const Eigen::Vector3d& n, const Pose& T, const Eigen::Vector3d& p) {
+  const Eigen::Vector3d n_source = T.rotation.conjugate() * n;
+  Vector6d J;
+  J.head<3>() = n_source;
+  J.tail<3>() = p.cross(n_source);
+  return J;
+}
+
+/// Adds one residual n.(T p - c), Cauchy-weighted.
+void add(NormalEquations& equations, const Plane& plane, const Pose& T, const Eigen::Vector3d& p, double sigma_m) {
+  const Eigen::Vector3d n = plane.normal.cast<double>();
+  const double residual = n.dot(T * p - plane.centre.cast<double>());
+  const Vector6d J = jacobian(n, T, p);
+  const double normalised2 = residual * residual / (sigma_m * sigma_m);
+  const double weight = 1.0 / (sigma_m * sigma_m * (1.0 + normalised2 / 9.0));
+  equations.H += weight * J * J.transpose();
+  equations.g -= weight * residual * J;
+  equations.squares += residual * residual;
+  ++equations.inliers;
+}
+
+/// What tilt noise of the plane's normal adds to H on average: directions that only noise "sees" are free.
+void add_normal_noise(NormalEquations& equations, const Plane& plane, const Pose& T, const Eigen::Vector3d& p,
+                      double sigma_m) {
+  const Eigen::Vector3d major = plane.axis_major.cast<double>();
+  const Eigen::Vector3d minor = major.cross(plane.normal.cast<double>());
+  const double weight = plane.variance_m2 / (plane.points * sigma_m * sigma_m);
+  const Vector6d J_major = jacobian(major, T, p);
+  const Vector6d J_minor = jacobian(minor, T, p);
+  equations.H_normals += weight / plane.major_m2 * J_major * J_major.transpose();
+  equations.H_normals += weight / plane.minor_m2 * J_minor * J_minor.transpose();
+}
+
+double distance_m(const Plane& plane, const Eigen::Vector3d& p) {
+  return std::abs(plane.normal.cast<double>().dot(p - plane.centre.cast<double>()));
+}
+
+NormalEquations linearise(PlaneMap& target, const RegistrationPoints& source, const Pose& T, double gate_m,
+                          double sigma_m) {
+  NormalEquations equations;
+  for (const Eigen::Vector3f& p : source.points) {
+    const Eigen::Vector3d at = T * p.cast<double>();
+    const Plane* plane = target.plane_at(at.cast<float>());
+    if (plane == nullptr || distance_m(*plane, at) > gate_m) continue;
+    add(equations, *plane, T, p.cast<double>(), sigma_m);
+    add_normal_noise(equations, *plane, T, p.cast<double>(), sigma_m);
+  }
+  return equations;
+}
+
+void measure(PlaneMap& target, const RegistrationPoints& source, double gate_m, SubmapMatch& match) {
+  std::size_t near = 0;
+  std::size_t standing = 0;
+  std::size_t fitting = 0;
+  for (std::size_t i = 0; i < source.points.size(); ++i) {
+    const Eigen::Vector3d at = match.T_target_source.T_a_b * source.points[i].cast<double>();
+    Neighbour nearest{};
+    if (target.tree().nearest(at.cast<float>(), {&nearest, 1}, kSeen_m) == 0) continue;
+    ++near;
+    if (!source.standing[i]) continue;
+    ++standing;
+    const Plane* plane = target.plane_at(at.cast<float>());
+    const bool fits = plane != nullptr ? distance_m(*plane, at) < gate_m
+                                       : nearest.squared_distance_m2 < kSameThing_m * kSameThing_m;
+    fitting += fits ? 1 : 0;
+  }
+  const auto share = [](std::size_t part, std::size_t all) {
+    return all == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(all);
+  };
+  match.overlap = share(near, source.points.size());
+  match.inlier_share = share(fitting, standing);
+}
+
+/// The inverse of the information; where the normals' noise explains what there is, the prior's.
+Matrix6d covariance_of(const NormalEquations& equations, const SubmapRegistrationConfig& config) {
+  Vector6d scale = Vector6d::Ones();
+  scale.tail<3>().setConstant(1.0 / kLever_m);  // so that one unit of either moves the points equally far
+  const Matrix6d H = config.information_scale * (equations.H - kNormalNoiseFactor * equations.H_normals);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver{scale.asDiagonal() * H * scale.asDiagonal()};
+  const Vector6d variances = solver.eigenvalues().cwiseMax(kPriorInformation).cwiseInverse();
+  const Matrix6d inverse = solver.eigenvectors() * variances.asDiagonal() * solver.eigenvectors().transpose();
+  Matrix6d covariance = scale.asDiagonal() * inverse * scale.asDiagonal();
+  covariance.topLeftCorner<3, 3>().diagonal().array() += config.floor_sigma_m * config.floor_sigma_m;
+  covariance.bottomRightCorner<3, 3>().diagonal().array() += config.floor_sigma_rad * config.floor_sigma_rad;
+  return covariance;
+}
+
+}  // namespace
+
+PlaneMap surfaces(std::span<const Eigen::Vector3f> points) {
+  PlaneMap map{PlaneMapConfig{.max_voxels = 100'000, .max_voxel_weight = 1'000}};
+  for (const Eigen::Vector3f& p : points) map.insert(p);
+  return map;
+}
+
+RegistrationPoints choose_points(std::span<const Eigen::Vector3f> points, PlaneMap& own_surfaces,
+                                 std::uint32_t max_points) {
+  RegistrationPoints chosen;
+  const std::size_t stride = points.size() / max_points + 1;
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    const Plane* plane = own_surfaces.plane_at(points[i]);
+    chosen.points.push_back(points[i]);
+    chosen.standing.push_back(plane == nullptr || std::abs(plane->normal.z()) < kGroundNormal);
+  }
+  return chosen;
+}
+
+SubmapMatch register_submap(PlaneMap& target, const RegistrationPoints& source, const Pose& T_target_source,
+                            const SubmapRegistrationConfig& config) {
+  SubmapMatch match{.T_target_source = {.T_a_b = T_target_source}};
+  Pose& T = match.T_target_source.T_a_b;
+  double gate_m = config.coarse_gate_m;
+  NormalEquations equations;
+  while (match.iterations < config.max_iterations && !match.converged) {
+    equations = linearise(target, source, T, gate_m, config.point_sigma_m);
+    const Vector6d step = equations.H.ldlt().solve(equations.g);
+    if (!step.allFinite()) return match;
+    T = boxplus(T, step);
+    ++match.iterations;
+    const bool still = step.head<3>().norm() < kConverged_m && step.tail<3>().norm() < kConverged_rad;
+    match.converged = still && gate_m <= config.fine_gate_m;
+    gate_m = std::max(0.7 * gate_m, config.fine_gate_m);
+  }
+  equations = linearise(target, source, T, config.fine_gate_m, config.point_sigma_m);
+  match.rms_m = equations.inliers == 0 ? 0.0 : std::sqrt(equations.squares / equations.inliers);
+  match.T_target_source.covariance = covariance_of(equations, config);
+  measure(target, source, config.fine_gate_m, match);
+  return match;
+}
+
+}  // namespace slamd

@@ -1,0 +1,93 @@
+#include "estimator/graph/submap_registration.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/box_town.hpp"
+
+namespace slamd {
+namespace {
+
+using test::BoxTown;
+using test::Random;
+
+std::vector<Eigen::Vector3f> points_of(const PointCloud& cloud) {
+  std::vector<Eigen::Vector3f> points;
+  for (const CloudPoint& p : cloud) points.emplace_back(p.x, p.y, p.z);
+  return points;
+}
+
+/// What is seen around a place of the circle, in the frame of its middle.
+std::vector<Eigen::Vector3f> view(const BoxTown& town, double along_m, double beside_m, Random& random) {
+  const Pose T_map_middle = test::pose_on_circle(60.0, along_m, beside_m);
+  std::vector<Eigen::Vector3f> points;
+  for (double d = -6.0; d <= 6.0; d += 1.5) {
+    const Pose T_map_base = test::pose_on_circle(60.0, along_m + d, beside_m);
+    const Pose T_middle_base = T_map_middle.inverse() * T_map_base;
+    for (const Eigen::Vector3f& p : points_of(town.scan(T_map_base, random))) {
+      points.push_back((T_middle_base * p.cast<double>()).cast<float>());
+    }
+  }
+  return points;
+}
+
+RegistrationPoints chosen(const std::vector<Eigen::Vector3f>& points) {
+  PlaneMap own = surfaces(points);
+  return choose_points(points, own, SubmapRegistrationConfig{}.max_points);
+}
+
+TEST(SubmapRegistration, ComesWithinCentimetresFromAGuessOfHalfAMetreAndItsCovarianceCoversTheError) {
+  const BoxTown town = BoxTown::around_circle(60.0, 4);
+  Random random{1};
+  PlaneMap target = surfaces(view(town, 30.0, 0.0, random));
+  double nees = 0.0;
+  constexpr int kRuns = 6;
+  for (int run = 0; run < kRuns; ++run) {
+    const double along_m = 29.0 + 0.5 * run;
+    const Pose truth = test::pose_on_circle(60.0, 30.0).inverse() * test::pose_on_circle(60.0, along_m, 1.0);
+    Vector6d off;
+    off << 0.4, -0.3, 0.1, 0.005, -0.005, 0.02;
+    const SubmapMatch match = register_submap(target, chosen(view(town, along_m, 1.0, random)), boxplus(truth, off), {});
+    EXPECT_TRUE(match.converged);
+    EXPECT_GT(match.inlier_share, 0.6);
+    EXPECT_GT(match.overlap, 0.8);
+    const Vector6d error = boxminus(truth, match.T_target_source.T_a_b);
+    EXPECT_LT(error.head<3>().norm(), 0.03);
+    EXPECT_LT(error.tail<3>().norm(), 0.002);
+    nees += error.dot(match.T_target_source.covariance.ldlt().solve(error)) / (6.0 * kRuns);
+  }
+  EXPECT_LT(nees, 2.0);
+}
+
+TEST(SubmapRegistration, ACorridorLeavesItsLengthFreeAndSaysSo) {
+  std::vector<Eigen::Vector3f> corridor;
+  Random random{2};
+  for (float x = -30.0F; x <= 30.0F; x += 0.2F) {
+    for (float z = 0.0F; z <= 3.0F; z += 0.2F) {
+      for (const float y : {-2.0F, 2.0F}) corridor.emplace_back(x, y + static_cast<float>(test::normal(random, 0.01)), z);
+    }
+    for (float y = -2.0F; y <= 2.0F; y += 0.2F) corridor.emplace_back(x, y, static_cast<float>(test::normal(random, 0.01)));
+  }
+  PlaneMap target = surfaces(corridor);
+  const SubmapMatch match = register_submap(target, chosen(corridor), Pose{}, {});
+  const Matrix6d& covariance = match.T_target_source.covariance;
+  EXPECT_GT(std::sqrt(covariance(0, 0)), 50.0 * std::sqrt(covariance(1, 1)));
+  EXPECT_LT(std::sqrt(covariance(1, 1)), 0.2);
+}
+
+TEST(SubmapRegistration, AnotherPlaceDoesNotFit) {
+  Random random{3};
+  PlaneMap target = surfaces(view(BoxTown::around_circle(60.0, 4), 30.0, 0.0, random));
+  const SubmapMatch match = register_submap(target, chosen(view(BoxTown::around_circle(60.0, 99), 180.0, 0.0, random)), Pose{}, {});
+  const SubmapMatch same = register_submap(target, chosen(view(BoxTown::around_circle(60.0, 4), 30.0, 0.0, random)), Pose{}, {});
+  EXPECT_LT(match.inlier_share, same.inlier_share - 0.1);
+}
+
+TEST(SubmapRegistration, NoPointsAreNoMatch) {
+  PlaneMap target = surfaces({});
+  const SubmapMatch match = register_submap(target, RegistrationPoints{}, Pose{}, {});
+  EXPECT_EQ(match.inlier_share, 0.0);
+  EXPECT_EQ(match.overlap, 0.0);
+}
+
+}  // namespace
+}  // namespace slamd
