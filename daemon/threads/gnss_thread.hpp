@@ -22,7 +22,7 @@ struct GnssReport {
   HostTime last_sentence;  // of the newest bytes that ended a sentence; only meaningful when sentences.sentences > 0
   GnssStats parser;
   NmeaSentenceStats sentences;
-  SerialStats serial;
+  SourceStats serial;
   bool device_open = false;
 };
 

@@ -18,7 +18,7 @@ ImuThread::ImuThread(const ImuThreadConfig& config, const ImuFrameParser::Config
 
 void ImuThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    const SerialRead read = source_.read(config_.silence);
+    const SourceRead read = source_.read(config_.silence);
     if (!read.bytes.empty()) now_.last_bytes = read.arrival;
     take_posterior();
     parser_.feed(read.bytes, read.arrival, [this](const ImuSample& sample) { take(sample); });

@@ -25,7 +25,7 @@ struct ImuReport {
   HostTime last_arrival;  // of the newest sample; only meaningful when parser.samples > 0
   HostTime last_bytes;    // of the newest bytes, whatever they were
   ImuStats parser;
-  SerialStats serial;
+  SourceStats serial;
   bool device_open = false;
   bool clock_locked = false;
 };

@@ -9,7 +9,6 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/serial_port.hpp>
 #include <cerrno>
-#include <thread>
 #include <utility>
 
 namespace slamd {
@@ -17,9 +16,11 @@ namespace {
 
 using boost::asio::serial_port;
 
+constexpr Duration kWriteTimeout = std::chrono::seconds{1};
+
 static_assert(std::chrono::steady_clock::is_steady);  // libstdc++: CLOCK_MONOTONIC, nanoseconds
 HostTime now() {
-  return HostTime{std::chrono::steady_clock::now().time_since_epoch()};
+  return ReopenTimer::now();
 }
 
 bool configure(serial_port& port, std::uint32_t baud) {
@@ -35,16 +36,17 @@ bool configure(serial_port& port, std::uint32_t baud) {
   return !error;
 }
 
-enum class Wait : std::uint8_t { kReadable, kTimeout, kGone };
+enum class Wait : std::uint8_t { kReady, kTimeout, kGone };
 
-Wait wait_readable(int fd, HostTime deadline) {
+/// direction  POLLIN or POLLOUT
+Wait wait_ready(int fd, short direction, HostTime deadline) {
   const auto left = std::max(Duration::zero(), deadline - now());
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
   const timespec timeout{seconds.count(), (left - seconds).count()};
-  pollfd poll_fd{fd, POLLIN, 0};
+  pollfd poll_fd{fd, direction, 0};
   const int ready = ppoll(&poll_fd, 1, &timeout, nullptr);
   if (ready == 0 || (ready < 0 && errno == EINTR)) return Wait::kTimeout;
-  return ready > 0 && (poll_fd.revents & POLLIN) != 0 ? Wait::kReadable : Wait::kGone;
+  return ready > 0 && (poll_fd.revents & direction) != 0 ? Wait::kReady : Wait::kGone;
 }
 
 }  // namespace
@@ -55,7 +57,8 @@ struct SerialSource::Port {
   std::array<std::uint8_t, kMaxRead> buffer{};
 };
 
-SerialSource::SerialSource(SerialSourceConfig config) : config_{std::move(config)}, port_{std::make_unique<Port>()} {}
+SerialSource::SerialSource(SerialSourceConfig config)
+    : config_{std::move(config)}, port_{std::make_unique<Port>()}, reopen_{config_.reopen} {}
 SerialSource::SerialSource(SerialSource&&) noexcept = default;
 SerialSource& SerialSource::operator=(SerialSource&&) noexcept = default;
 SerialSource::~SerialSource() = default;
@@ -64,42 +67,53 @@ bool SerialSource::is_open() const {
   return port_->port.is_open();
 }
 
-SerialRead SerialSource::read(Duration timeout) {
+SourceRead SerialSource::read(Duration timeout) {
   const HostTime deadline = now() + timeout;
   if (!is_open() && !open()) {
-    wait_to_reopen(deadline);
+    reopen_.wait(deadline);
     return {};
   }
   const int fd = port_->port.native_handle();
-  const Wait wait = wait_readable(fd, deadline);
+  const Wait wait = wait_ready(fd, POLLIN, deadline);
   if (wait == Wait::kTimeout) return {};
-  const ssize_t size = wait == Wait::kReadable ? ::read(fd, port_->buffer.data(), port_->buffer.size()) : -1;
+  const ssize_t size = wait == Wait::kReady ? ::read(fd, port_->buffer.data(), port_->buffer.size()) : -1;
   const HostTime arrival = now();
   if (size > 0) {
     stats_.bytes += static_cast<std::uint64_t>(size);
     return {{port_->buffer.data(), static_cast<std::size_t>(size)}, arrival};
   }
-  const bool try_again = wait == Wait::kReadable && size < 0 && (errno == EAGAIN || errno == EINTR);
+  const bool try_again = wait == Wait::kReady && size < 0 && (errno == EAGAIN || errno == EINTR);
   if (!try_again) lose();
   return {};
 }
 
-/// Not before next_opening_. Bytes that waited in the port since before are dropped: their arrival is not known.
+bool SerialSource::write(std::span<const std::uint8_t> bytes) {
+  const HostTime deadline = now() + kWriteTimeout;
+  while (is_open() && !bytes.empty()) {
+    const int fd = port_->port.native_handle();
+    if (wait_ready(fd, POLLOUT, deadline) != Wait::kReady) return false;
+    const ssize_t size = ::write(fd, bytes.data(), bytes.size());
+    if (size < 0 && errno != EAGAIN && errno != EINTR) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(std::max<ssize_t>(0, size)));
+  }
+  return is_open();
+}
+
+/// Not before it is due. Bytes that waited in the port since before are dropped: their arrival is not known.
 bool SerialSource::open() {
-  if (now() < next_opening_) return false;
+  if (!reopen_.is_due()) return false;
   boost::system::error_code error;
   port_->port.open(config_.path, error);
   if (!error && configure(port_->port, config_.baud)) {
     tcflush(port_->port.native_handle(), TCIFLUSH);
     ++stats_.openings;
-    backoff_ = Duration::zero();
+    reopen_.succeeded();
     return true;
   }
   boost::system::error_code ignored;
   port_->port.close(ignored);
   ++stats_.failed_openings;
-  backoff_ = std::clamp(2 * backoff_, config_.reopen_min, config_.reopen_max);
-  next_opening_ = now() + backoff_;
+  reopen_.failed();
   return false;
 }
 
@@ -107,12 +121,7 @@ void SerialSource::lose() {
   boost::system::error_code ignored;
   port_->port.close(ignored);
   ++stats_.losses;
-  next_opening_ = now() + config_.reopen_min;
-}
-
-void SerialSource::wait_to_reopen(HostTime deadline) {
-  const Duration left = std::min(deadline, next_opening_) - now();
-  if (left > Duration::zero()) std::this_thread::sleep_for(left);
+  reopen_.lost();
 }
 
 }  // namespace slamd

@@ -49,7 +49,7 @@ class SerialSourceTest : public testing::Test {
   SerialSourceTest() : link_{fs::temp_directory_path() / ("slamd_serial_test_" + std::to_string(getpid()))} {}
   ~SerialSourceTest() override { fs::remove(link_); }
 
-  SerialSourceConfig config() const { return {.path = link_, .baud = 115200, .reopen_min = 1ms, .reopen_max = 4ms}; }
+  SerialSourceConfig config() const { return {.path = link_, .baud = 115200, .reopen = {.shortest = 1ms, .longest = 4ms}}; }
   /// Opens the source: the kernel drops what was sent before.
   static void settle(SerialSource& source) {
     for (int i = 0; i < 1000 && !source.is_open(); ++i) source.read(5ms);
@@ -58,7 +58,7 @@ class SerialSourceTest : public testing::Test {
   static std::vector<std::uint8_t> collect(SerialSource& source, std::size_t size) {
     std::vector<std::uint8_t> all;
     for (int i = 0; i < 1000 && all.size() < size; ++i) {
-      const SerialRead read = source.read(20ms);
+      const SourceRead read = source.read(20ms);
       all.insert(all.end(), read.bytes.begin(), read.bytes.end());
     }
     return all;
@@ -84,7 +84,7 @@ TEST_F(SerialSourceTest, StampsBytesBetweenSendingAndReturning) {
   settle(source);
   const auto before = std::chrono::steady_clock::now().time_since_epoch();
   device.send({1, 2, 3});
-  SerialRead read = source.read(1s);
+  SourceRead read = source.read(1s);
   const auto after = std::chrono::steady_clock::now().time_since_epoch();
   ASSERT_FALSE(read.bytes.empty());
   EXPECT_GE(read.arrival.time_since_epoch(), before);

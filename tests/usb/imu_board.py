@@ -1,0 +1,90 @@
+"""The IMU board running our firmware, as the host sees it on USB: CDC data endpoint with frames, vendor reset interface.
+Frames are packed here from firmware/protocol/README.md, not with the code under test.
+"""
+import struct
+import time
+
+from usb_bus import UsbModel, interface
+from usbfs import Stall
+
+CDC_CONTROL, CDC_DATA, RESET = 0, 1, 2
+NOTIFY, OUT, IN = 0x81, 0x02, 0x82
+GRAVITY_LSB = 8197  # 1 g at 0.122 mg/LSB
+
+
+def crc16(data):
+    crc = 0xFFFF
+    for byte in data:
+        crc ^= byte << 8
+        for _ in range(8):
+            crc = ((crc << 1) ^ (0x1021 if crc & 0x8000 else 0)) & 0xFFFF
+    return crc
+
+
+def cobs(data):
+    out, block = bytearray(), bytearray()
+    for byte in data + b"\0":
+        if byte:
+            block.append(byte)
+        else:
+            out += bytes([len(block) + 1]) + block
+            block.clear()
+    return bytes(out)
+
+
+def packet(body):
+    return cobs(body + struct.pack("<H", crc16(body))) + b"\0"
+
+
+def frame(sequence, device_us, status=0, gyro=(0, 0, 0), accel=(0, 0, GRAVITY_LSB), dropped=0):
+    return packet(struct.pack("<BBHQ3h3hhH", 0x11, status, sequence & 0xFFFF, device_us, *gyro, *accel, 0, dropped))
+
+
+class ImuBoard(UsbModel):
+    """Sends frames at `rate_hz` once DTR is raised, in device time that starts with the object."""
+
+    vendor, product, release = 0x1209, 0x0001, 0x0102
+    interfaces = (interface(CDC_CONTROL, 0x02, 0x02, 0x00, ((NOTIFY, 3),)) +
+                  interface(CDC_DATA, 0x0A, 0x00, 0x00, ((IN, 2), (OUT, 2))) + interface(RESET, 0xFF, 0x00, 0x01))
+    interface_count = 3
+
+    def __init__(self, serial="E6616407E3554C29", rate_hz=208.0):
+        super().__init__()
+        self.strings = ("slamd", "slamd IMU", serial)
+        self.rate_hz = rate_hz
+        self.status = 0
+        self.mute = False
+        self.listening = False
+        self.ignores_reset = False
+        self.on_boot_loader = lambda: None
+        self.start = time.monotonic()
+        self.sequence = None  # of the last frame sent
+        self.skip = set()  # sequence numbers that are lost on the way
+
+    def request(self, kind, request, value, index, data):
+        if (kind, request, index) == (0x21, 0x22, CDC_CONTROL):
+            self.listening = bool(value & 1)
+            return b""
+        if (kind, request, index) == (0x21, 0x20, CDC_CONTROL):
+            return b""
+        if (kind, request, value, index) == (0x21, 1, 0, RESET):
+            if not self.ignores_reset:
+                self.on_boot_loader()
+            return b""
+        raise Stall()
+
+    def bulk_out(self, endpoint, data):
+        return len(data)
+
+    def bulk_in(self, endpoint, room):
+        """The next frame when its time has come; frames that nobody fetched in time are dropped, as the board does."""
+        if self.mute or not self.listening:
+            return None
+        due = int((time.monotonic() - self.start) * self.rate_hz)
+        if self.sequence is None or due - self.sequence > 64:
+            self.sequence = due - 1
+        while self.sequence < due:
+            self.sequence += 1
+            if self.sequence not in self.skip:
+                return frame(self.sequence, int(self.sequence * 1e6 / self.rate_hz), self.status)
+        return None
