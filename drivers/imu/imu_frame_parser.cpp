@@ -1,6 +1,7 @@
 #include "drivers/imu/imu_frame_parser.hpp"
 
 #include "drivers/imu/imu_scale.hpp"
+#include "firmware/protocol/reply.hpp"
 
 namespace slamd {
 namespace {
@@ -16,6 +17,13 @@ bool clips(const ImuFrame& frame, const ImuSample& sample) {
          sample.accel_mps2.cwiseAbs().maxCoeff() >= kAccelClipMps2;
 }
 
+/// A whole packet of another kind that the board sends.
+bool is_reply(std::span<const std::uint8_t> packet) {
+  const std::optional<OpenedPacket> opened = open_packet(packet);
+  return opened && (read_identity(*opened) || read_statistics(*opened) || read_self_test(*opened) ||
+                    read_acknowledgement(*opened));
+}
+
 }  // namespace
 
 ImuFrameParser::Config ImuFrameParser::Config::defaults() {
@@ -26,19 +34,16 @@ ImuFrameParser::Config ImuFrameParser::Config::defaults() {
 }
 
 std::optional<ImuFrame> ImuFrameParser::take(std::uint8_t byte) {
-  if (byte != kImuFrameDelimiter) {
-    if (packet_bytes_ < packet_.size()) packet_[packet_bytes_] = byte;
-    ++packet_bytes_;
+  const std::optional<SplitPacket> packet = splitter_.take(byte);
+  if (!packet) return std::nullopt;
+  const DecodedImuFrame decoded = decode_imu_packet(packet->bytes);
+  if (decoded) return decoded.frame;
+  if (is_reply(packet->bytes)) {
+    ++stats_.replies;
     return std::nullopt;
   }
-  const std::size_t size = packet_bytes_;
-  packet_bytes_ = 0;
-  if (size == 0) return std::nullopt;
-  const DecodedImuFrame decoded =
-      size > packet_.size() ? DecodedImuFrame{ImuFrameError::kLength, {}} : decode_imu_packet({packet_.data(), size});
-  if (decoded) return decoded.frame;
   ++stats_.rejected[static_cast<std::size_t>(decoded.error)];
-  stats_.garbage_bytes += size + 1;
+  stats_.garbage_bytes += packet->size + 1;
   return std::nullopt;
 }
 

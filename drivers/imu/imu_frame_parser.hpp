@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "drivers/imu/packet_splitter.hpp"
 #include "drivers/io/clock_sync.hpp"
 #include "estimator/types/imu_sample.hpp"
 #include "firmware/protocol/imu_frame.hpp"
@@ -17,6 +18,7 @@ struct ImuStats {
   std::uint64_t samples = 0;
   std::array<std::uint64_t, 5> rejected{};  // packets, by ImuFrameError; [0] stays zero
   std::uint64_t garbage_bytes = 0;          // bytes of rejected packets
+  std::uint64_t replies = 0;                // packets of other kinds than samples: not for this parser
   std::uint64_t gaps = 0;                   // interruptions of the sequence,
   std::uint64_t missing = 0;                // samples they cost
   std::uint64_t repeated = 0;               // frames whose time did not advance
@@ -68,8 +70,7 @@ class ImuFrameParser {
 
   Config config_;
   ClockSync clock_;
-  std::array<std::uint8_t, kImuFramePacketBytes> packet_{};
-  std::size_t packet_bytes_ = 0;  // since the last delimiter, also those that did not fit
+  PacketSplitter splitter_;
   std::optional<Stamp> last_;
   std::optional<Stamp> suspect_;  // a stamp that did not follow last_; the next frame decides
   ImuStats stats_;

@@ -36,6 +36,10 @@ def packet(body):
     return cobs(body + struct.pack("<H", crc16(body))) + b"\0"
 
 
+def identity(tag, unique_id, version):
+    return packet(struct.pack("<BBH8s3BBHHBB", 0x21, 0x6C, tag, unique_id, *version, 2, 208, 500, 4, 0))
+
+
 def frame(sequence, device_us, status=0, gyro=(0, 0, 0), accel=(0, 0, GRAVITY_LSB), dropped=0):
     return packet(struct.pack("<BBHQ3h3hhH", 0x11, status, sequence & 0xFFFF, device_us, *gyro, *accel, 0, dropped))
 
@@ -60,6 +64,7 @@ class ImuBoard(UsbModel):
         self.start = time.monotonic()
         self.sequence = None  # of the last frame sent
         self.skip = set()  # sequence numbers that are lost on the way
+        self.answers = []  # replies to commands, sent before the next frame
 
     def request(self, kind, request, value, index, data):
         if (kind, request, index) == (0x21, 0x22, CDC_CONTROL):
@@ -74,12 +79,18 @@ class ImuBoard(UsbModel):
         raise Stall()
 
     def bulk_out(self, endpoint, data):
+        command = struct.pack("<BBH", 0x81, 1, 1)  # identity, tag 1: the only one that is sent here
+        if data != packet(command):
+            raise Stall()
+        self.answers.append(identity(1, bytes.fromhex(self.strings[2].rjust(16, "0")), (1, 2, 3)))
         return len(data)
 
     def bulk_in(self, endpoint, room):
         """The next frame when its time has come; frames that nobody fetched in time are dropped, as the board does."""
         if self.mute or not self.listening:
             return None
+        if self.answers:
+            return self.answers.pop(0)
         due = int((time.monotonic() - self.start) * self.rate_hz)
         if self.sequence is None or due - self.sequence > 64:
             self.sequence = due - 1

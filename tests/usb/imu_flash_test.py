@@ -78,7 +78,7 @@ class NormalTest(FlashTest):
         board = self.board(running=False)
         run = self.run_flash(self.file(uf2(self.new)))
         self.assert_flashed(board, run)
-        self.assertRegex(run.stdout, r"firmware 1\.02, serial E6616407E3554C29: 20[78]\.\d Hz")
+        self.assertRegex(run.stdout, r"firmware 1\.2\.3, serial E6616407E3554C29: 20[78]\.\d Hz")
         for step in ("erase", "write", "verify"):
             self.assertRegex(run.stderr, step + r" +\[#+\] 100 %")
 
@@ -135,7 +135,7 @@ class NormalTest(FlashTest):
         self.board(running=False, port="3")
         lines = self.run_flash("--list").stdout.splitlines()
         self.assertEqual(len(lines), 2)
-        self.assertRegex(lines[0], r"1-1 .*slamd IMU 1\.02 .*AAAA")
+        self.assertRegex(lines[0], r"1-1 .*slamd IMU 1\.2 .*AAAA")
         self.assertRegex(lines[1], r"1-3 .*boot loader")
 
 

@@ -60,7 +60,7 @@ std::string describe(const UsbListing& board) {
     std::snprintf(text.data(), text.size(), "port %-8s RP2040 boot loader  serial %s", board.port.c_str(),
                   serial.c_str());
   } else {
-    std::snprintf(text.data(), text.size(), "port %-8s slamd IMU %x.%02x  serial %s", board.port.c_str(),
+    std::snprintf(text.data(), text.size(), "port %-8s slamd IMU %x.%x  serial %s", board.port.c_str(),
                   unsigned{board.release} >> 8U, unsigned{board.release} & 0xFFU, serial.c_str());
   }
   return text.data();

@@ -3,64 +3,85 @@
 #include <cstdio>
 #include <optional>
 
-#include "drivers/imu/imu_frame_parser.hpp"
+#include "drivers/imu/packet_splitter.hpp"
 #include "drivers/io/usb_serial_source.hpp"
+#include "firmware/protocol/command.hpp"
+#include "firmware/protocol/imu_frame.hpp"
+#include "firmware/protocol/reply.hpp"
 
 namespace slamd::flash {
 namespace {
 
 constexpr Duration kReadTimeout = std::chrono::milliseconds{100};
 
-/// Time of the device from the first to the newest frame, and how many periods lie between.
-struct Span {
+/// What the stream said: the first and the newest sample, and the board's answer to who it is.
+struct Heard {
   std::optional<ImuFrame> first;
   ImuFrame last;
   std::uint64_t frames = 0;
   std::uint64_t faults = 0;
+  std::optional<Identity> identity;
 
-  void add(const ImuFrame& frame) {
-    if (!first) first = frame;
-    last = frame;
-    ++frames;
-    faults += frame.has(ImuStatus::kSensorFault) ? 1 : 0;
+  void add(std::span<const std::uint8_t> packet) {
+    if (const DecodedImuFrame decoded = decode_imu_packet(packet)) {
+      if (!first) first = decoded.frame;
+      last = decoded.frame;
+      ++frames;
+      faults += last.has(ImuStatus::kSensorFault) ? 1 : 0;
+    } else if (const std::optional<OpenedPacket> opened = open_packet(packet)) {
+      if (const std::optional<Identity> answer = read_identity(*opened)) identity = answer;
+    }
   }
   double seconds() const { return static_cast<double>(last.device_us - first->device_us) * 1e-6; }
   std::uint64_t periods() const { return static_cast<std::uint16_t>(last.sequence - first->sequence); }
 };
 
-Span read_span(ByteSource& source, Duration span, Duration patience) {
-  Span seen;
-  ImuFrameParser parser;
+/// Until `span` after the first sample, or `patience` without one.
+Heard listen(ByteSource& source, Duration span, Duration patience) {
+  Heard heard;
+  PacketSplitter splitter;
+  bool asked = false;
   HostTime deadline = ReopenTimer::now() + patience;
   while (ReopenTimer::now() < deadline) {
     const SourceRead read = source.read(kReadTimeout);
+    if (!asked && source.is_open())
+      asked = source.write(encode(Command{static_cast<std::uint8_t>(CommandCode::kIdentity), 1}));
+    const bool silent_before = !heard.first;
     for (const std::uint8_t byte : read.bytes) {
-      const std::optional<ImuFrame> frame = parser.take(byte);
-      if (!frame) continue;
-      if (!seen.first) deadline = ReopenTimer::now() + span;
-      seen.add(*frame);
+      if (const std::optional<SplitPacket> packet = splitter.take(byte)) heard.add(packet->bytes);
     }
+    if (silent_before && heard.first) deadline = ReopenTimer::now() + span;
   }
-  return seen;
+  return heard;
+}
+
+std::string version_of(const UsbListing& board, const std::optional<Identity>& identity) {
+  char text[32];
+  if (identity) {
+    std::snprintf(text, sizeof text, "%u.%u.%u", unsigned{identity->version[0]}, unsigned{identity->version[1]},
+                  unsigned{identity->version[2]});
+  } else {
+    std::snprintf(text, sizeof text, "%x.%x", unsigned{board.release} >> 8U, unsigned{board.release} & 0xFFU);
+  }
+  return text;
 }
 
 }  // namespace
 
 StreamReport check_stream(const UsbListing& board, Duration span, Duration patience) {
   UsbSerialSource source{{.id = board.id, .serial = board.serial, .reopen = {}}};
-  const Span seen = read_span(source, span, patience);
+  const Heard heard = listen(source, span, patience);
   StreamReport report;
-  if (seen.frames < 2 || seen.last.device_us <= seen.first->device_us) {
+  if (heard.frames < 2 || heard.last.device_us <= heard.first->device_us) {
     report.failure = "the board runs our firmware, but sends no samples";
     return report;
   }
-  char text[200];
-  std::snprintf(text, sizeof text, "firmware %x.%02x, serial %s: %.1f Hz measured over %.1f s, %llu samples missing",
-                unsigned{board.release} >> 8U, unsigned{board.release} & 0xFFU, board.serial.c_str(),
-                static_cast<double>(seen.periods()) / seen.seconds(), seen.seconds(),
-                static_cast<unsigned long long>(seen.periods() + 1 - seen.frames));
-  report.text = text;
-  if (seen.faults > 0) report.failure = "the board reports a fault of its sensor: see imu-monitor";
+  char rate[100];
+  std::snprintf(rate, sizeof rate, "%.1f Hz measured over %.1f s, %lld samples missing",
+                static_cast<double>(heard.periods()) / heard.seconds(), heard.seconds(),
+                static_cast<long long>(heard.periods()) + 1 - static_cast<long long>(heard.frames));
+  report.text = "firmware " + version_of(board, heard.identity) + ", serial " + board.serial + ": " + rate;
+  if (heard.faults > 0) report.failure = "the board reports a fault of its sensor: see imu-monitor";
   return report;
 }
 
