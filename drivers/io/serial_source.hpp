@@ -16,7 +16,7 @@ namespace slamd {
 struct SerialSourceConfig {
   std::string path;             // stable: /dev/serial/by-id/...; a symlink is followed anew at every opening
   std::uint32_t baud = 115200;  // no meaning for USB CDC and ptys
-  ReopenConfig reopen;
+  ReopenConfig reopen{};
 };
 
 /// One thread. read() allocates only when it opens the port; it returns within its timeout, so that the thread can

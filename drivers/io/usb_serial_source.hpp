@@ -15,7 +15,7 @@ namespace slamd {
 struct UsbSerialSourceConfig {
   UsbId id;
   std::string serial;  // empty: the first device with the id
-  ReopenConfig reopen;
+  ReopenConfig reopen{};
 };
 
 /// One thread. While it is open the kernel's tty of the device is gone; close() brings it back. Every read costs libusb
