@@ -12,12 +12,15 @@ class Watch final : public ceres::IterationCallback {
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     if (limits_.progress) limits_.progress(summary.iteration, 2.0 * summary.cost);
-    const bool stop = limits_.cancelled && limits_.cancelled();
-    return stop ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    cancelled_ = limits_.cancelled && limits_.cancelled();
+    return cancelled_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
+
+  bool cancelled() const { return cancelled_; }
 
  private:
   const SolveLimits& limits_;
+  bool cancelled_ = false;
 };
 
 ceres::Solver::Options options_of(const SolveLimits& limits) {
@@ -46,6 +49,7 @@ SolveOutcome minimise(ceres::Problem& problem, const SolveLimits& limits) {
   outcome.objective = 2.0 * summary.final_cost;
   outcome.iterations = summary.num_successful_steps + summary.num_unsuccessful_steps;
   outcome.converged = summary.termination_type == ceres::CONVERGENCE;
+  outcome.cancelled = watch.cancelled();
   outcome.usable = summary.IsSolutionUsable();
   return outcome;
 }

@@ -23,6 +23,7 @@ struct SolveOutcome {
   double objective = 0.0;
   int iterations = 0;
   bool converged = false;  // false: cancelled, out of iterations, or failed
+  bool cancelled = false;  // SolveLimits::cancelled said so
   bool usable = false;     // false: the variables are as they were
 };
 

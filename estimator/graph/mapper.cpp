@@ -1,0 +1,107 @@
+#include "estimator/graph/mapper.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace slamd {
+namespace {
+
+constexpr double kLeastGrowth = 50.0;  // keyframes
+
+bool is_usable(const Keyframe& keyframe) {
+  const Pose& T = keyframe.state.T_odom_base;
+  return T.translation.allFinite() && T.rotation.coeffs().allFinite() && keyframe.relative_covariance.allFinite() &&
+         keyframe.up_base.allFinite() && keyframe.up_sigma_rad >= 0.0;
+}
+
+}  // namespace
+
+Mapper::Mapper(const MapperConfig& config, std::unique_ptr<LoopSource> loops, std::unique_ptr<PositionSource> positions)
+    : config_{config}, loops_{std::move(loops)}, positions_{std::move(positions)}, graph_{config.graph} {}
+
+void Mapper::add(const Keyframe& keyframe) {
+  if (keyframe.id != keyframes_.size() || !is_usable(keyframe)) {
+    ++rejected_;
+    return;
+  }
+  graph_.add(keyframe);
+  odometry_.add(keyframe.state.T_odom_base, keyframe.relative_covariance);
+  keyframes_.push_back({keyframe.state.time, keyframe.state.T_odom_base, graph_.poses().back()});
+  if (loops_) loops_->add(keyframe);
+  if (positions_) positions_->add(keyframe);
+}
+
+void Mapper::add(const GnssFix& fix) {
+  if (positions_) positions_->add(fix);
+}
+
+bool Mapper::solve(const Cancelled& cancelled) {
+  if (keyframes_.empty()) return false;
+  const bool asked = ask_sources();
+  pending_ = pending_ || asked || grown();
+  return pending_ && solve_whole(cancelled);
+}
+
+bool Mapper::finish() {
+  if (keyframes_.empty()) return false;
+  ask_sources();
+  return solve_whole({});
+}
+
+bool Mapper::ask_sources() {
+  const GraphView view{keyframes_, odometry_};
+  const bool closed = loops_ && loops_->update(view);
+  const bool positioned = positions_ && positions_->update(view, enu_);
+  return closed || positioned;
+}
+
+bool Mapper::grown() const {
+  const double solved = static_cast<double>(solution_->keyframes.size());
+  return static_cast<double>(keyframes_.size()) > solved + std::max(kLeastGrowth, config_.resolve_growth * solved);
+}
+
+bool Mapper::solve_whole(const Cancelled& cancelled) {
+  GraphConstraints constraints;
+  if (loops_) constraints.closures = loops_->closures();
+  if (positions_ && positions_->initial_alignment()) {
+    constraints.positions = positions_->positions();
+    constraints.enu = enu_ ? enu_ : positions_->initial_alignment();
+  }
+  SolveLimits limits;
+  limits.max_iterations = config_.max_iterations;
+  limits.cancelled = cancelled;
+  const MapGraphSolve solve = graph_.solve(constraints, limits);
+  pending_ = solve.outcome.cancelled;
+  if (!solve.outcome.usable) return false;
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) keyframes_[i].T_map_base = graph_.poses()[i];
+  if (solve.outcome.cancelled) return false;
+  if (loops_) loops_->weigh(solve.closure_weights);
+  if (positions_) positions_->weigh(solve.position_weights);
+  enu_ = solve.enu;
+  publish(solve);
+  return true;
+}
+
+void Mapper::publish(const MapGraphSolve& solve) {
+  auto next = std::make_shared<GraphSolution>();
+  next->T_map_odom = keyframes_.back().T_map_base * keyframes_.back().T_odom_base.inverse();
+  next->enu_valid = enu_.has_value();
+  if (enu_) {
+    next->enu = *enu_;
+    next->enu_origin = positions_->origin();
+  }
+  next->keyframes = keyframes_;
+  next->changes = solution_->changes + 1;
+  next->closures = solve.closure_weights.size();
+  next->positions = solve.position_weights.size();
+  next->objective = solve.outcome.objective;
+  next->iterations = solve.outcome.iterations;
+  next->converged = solve.outcome.converged;
+  solution_ = std::move(next);
+}
+
+std::span<const LoopCandidateReport> Mapper::loop_reports() const {
+  return loops_ ? loops_->reports() : std::span<const LoopCandidateReport>{};
+}
+
+}  // namespace slamd

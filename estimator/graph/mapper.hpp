@@ -1,0 +1,70 @@
+#pragma once
+// The back end's facade: keyframes and fixes in, snapshots of the corrected map out. One thread calls it; it starts none
+// and reads no clock - whoever calls solve() says when it has taken long enough.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "estimator/graph/gnss_position.hpp"
+#include "estimator/graph/loop_closure.hpp"
+#include "estimator/graph/map_graph.hpp"
+#include "estimator/graph/odometry_chain.hpp"
+
+namespace slamd {
+
+struct MapperConfig {
+  MapGraphConfig graph;
+  int max_iterations = 30;     // of one solve
+  double resolve_growth = 0.1;  // without closures and GPS, gravity alone is solved for when the drive has grown by this share
+};
+
+class Mapper {
+ public:
+  /// loops, positions  may be null: then there is none of that kind
+  Mapper(const MapperConfig& config, std::unique_ptr<LoopSource> loops, std::unique_ptr<PositionSource> positions);
+
+  /// Ids count from 0 without gaps; one that does not is ignored and counted. Bounded time, whatever the drive's length.
+  void add(const Keyframe& keyframe);
+  void add(const GnssFix& fix);
+
+  /// Asked often while solve() works; true = stop soon. Empty: never.
+  using Cancelled = std::function<bool()>;
+
+  /// Searches for closures and solves the whole graph if a closure, GPS or growth asks for it, from where it is. True when
+  /// solution() is a new one. When cancelled, what was reached is kept for the next call but not published.
+  bool solve(const Cancelled& cancelled = {});
+
+  /// Solves whatever is open, to the end: for the last solution of a drive. True when there is one.
+  bool finish();
+
+  /// The newest snapshot; never null, and nobody changes it. Hand it to other threads freely.
+  std::shared_ptr<const GraphSolution> solution() const { return solution_; }
+
+  /// Of every keyframe, those after the newest solve chained by odometry.
+  std::span<const KeyframeEstimate> keyframes() const { return keyframes_; }
+
+  /// Every candidate of the search for loops so far; empty without one.
+  std::span<const LoopCandidateReport> loop_reports() const;
+  std::uint64_t rejected_keyframes() const { return rejected_; }
+
+ private:
+  bool ask_sources();
+  bool grown() const;
+  bool solve_whole(const Cancelled& cancelled);
+  void publish(const MapGraphSolve& solve);
+
+  MapperConfig config_;
+  std::unique_ptr<LoopSource> loops_;
+  std::unique_ptr<PositionSource> positions_;
+  MapGraph graph_;
+  OdometryChain odometry_;
+  std::vector<KeyframeEstimate> keyframes_;
+  std::optional<EnuAlignment> enu_;  // as the newest solve left it
+  std::shared_ptr<const GraphSolution> solution_ = std::make_shared<GraphSolution>();
+  bool pending_ = false;  // something asked for a solve that did not end yet
+  std::uint64_t rejected_ = 0;
+};
+
+}  // namespace slamd
