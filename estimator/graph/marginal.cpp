@@ -11,6 +11,7 @@ namespace slamd {
 Eigen::MatrixXd marginal_covariance(ceres::Problem& problem, double* block) {
   ceres::Problem::EvaluateOptions options;
   problem.GetParameterBlocks(&options.parameter_blocks);
+  std::erase_if(options.parameter_blocks, [&problem](const double* b) { return problem.IsParameterBlockConstant(b); });
   // The wanted one last: its columns are then the last ones.
   std::stable_partition(options.parameter_blocks.begin(), options.parameter_blocks.end(),
                         [block](const double* other) { return other != block; });
