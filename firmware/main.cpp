@@ -39,17 +39,13 @@ class Program {
     was_open_ = open;
     device_.set_open(open);
     device_.step(now, board::data_ready());
-    device_.receive(usb_.receive(), now, {usb_.resets(), usb_.suspends(), longest_pass_});
-    if (usb_.can_send()) send();
+    device_.set_counters({usb_.resets(), usb_.suspends(), longest_pass_});
+    device_.receive(usb_.receive(), now);
+    if (usb_.can_send() && device_.has_packet()) usb_.send(device_.next_packet().span());
     start_anew(now);
     board::set_led(led_on(device_.led(usb_.suspended()), now));
     if (device_.alive(now)) board::feed_watchdog();
     if (now > kTapWindow) board::forget_tap();
-  }
-
-  void send() {
-    const WirePacket packet = device_.next_packet();
-    if (packet.size > 0) usb_.send(packet.span());
   }
 
   void start_anew(Micros now) {

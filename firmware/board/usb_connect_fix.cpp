@@ -6,7 +6,8 @@ namespace slamd::board {
 namespace {
 
 constexpr unsigned kDebugPin = 15;  // D3 of the board, free
-constexpr Micros kForcedFor = 1000;
+constexpr Micros kForcedFor = 1'000;
+constexpr Micros kForcedAtMost = 5'000;  // the host speaks 10 ms after the reset
 constexpr std::uint32_t kRevisionWithFix = 2;  // B2
 
 bool needed() { return (reg(sysinfo::kChipId) >> 28U) < kRevisionWithFix; }
@@ -19,15 +20,19 @@ void UsbConnectFix::begin() {
 }
 
 void UsbConnectFix::step(Micros now) {
-  const bool forced_long_enough = now - forced_at_ >= kForcedFor && (reg(usb::kSieStatus) & usb::kStatusConnected) != 0;
-  if (state_ == State::kAwaitEndOfReset && (reg(usb::kSieStatus) & usb::kLineStateMask) != 0) {
+  if (state_ == State::kOff) return;
+  const std::uint32_t status = reg(usb::kSieStatus);
+  if (state_ == State::kAwaitEndOfReset) {
+    if ((status & usb::kLineStateMask) == 0) return;
     force_idle();
     forced_at_ = now;
     state_ = State::kForced;
-  } else if (state_ == State::kForced && forced_long_enough) {
-    release();
-    state_ = State::kOff;
+    return;
   }
+  const Micros forced_for = now - forced_at_;
+  if (forced_for < kForcedFor || ((status & usb::kStatusConnected) == 0 && forced_for < kForcedAtMost)) return;
+  release();
+  state_ = State::kOff;
 }
 
 /// The controller takes its inputs from pads instead of the USB transceiver: D+ reads high by override, D- low, which is the

@@ -42,6 +42,7 @@ void UsbController::service(Micros now) {
   const std::uint32_t events = reg(usb::kInterrupts);
   if ((events & usb::kEventBusReset) != 0) bus_reset();
   if ((events & usb::kEventBuffer) != 0) {
+    suspended_ = false;  // a transfer: the bus is awake
     const std::uint32_t done = reg(usb::kBufferStatus);
     if ((done & kControlIn) != 0) control_in_done();
     if ((done & kControlOut) != 0) control_out_done();

@@ -29,13 +29,18 @@ void Device::step(Micros now, const DataReady& ready) {
     report->tag = test_tag_;
     outbox_.push_reply(encode(*report));
   }
+  tell_changes(now);
+  if (told_state_ == SensorState::kFault && now >= next_fault_frame_) add_fault_frame(now);
+}
+
+void Device::tell_changes(Micros now) {
   const SensorState state = sensor_.state();
-  if (state != told_state_) {
-    told_state_ = state;
-    next_fault_frame_ = now;
-    if (outbox_.open()) outbox_.push_reply(encode(statistics(0, now, {})));
-  }
-  if (state == SensorState::kFault && now >= next_fault_frame_) add_fault_frame(now);
+  const SensorFault fault = sensor_.fault();
+  if (state == told_state_ && fault == told_fault_) return;
+  if (state != told_state_) next_fault_frame_ = now;
+  told_state_ = state;
+  told_fault_ = fault;
+  if (outbox_.open()) outbox_.push_reply(encode(statistics(0, now)));
 }
 
 ImuFrame Device::new_frame(Micros stamp) {
@@ -67,16 +72,16 @@ void Device::add_fault_frame(Micros now) {
   outbox_.push(frame);
 }
 
-void Device::receive(std::span<const std::uint8_t> bytes, Micros now, const BoardCounters& counters) {
+void Device::receive(std::span<const std::uint8_t> bytes, Micros now) {
   for (const std::uint8_t byte : bytes) {
-    if (const auto command = reader_.take(byte)) execute(*command, now, counters);
+    if (const auto command = reader_.take(byte)) execute(*command, now);
   }
 }
 
-void Device::execute(const Command& command, Micros now, const BoardCounters& counters) {
+void Device::execute(const Command& command, Micros now) {
   switch (static_cast<CommandCode>(command.code)) {
     case CommandCode::kIdentity: return outbox_.push_reply(encode(identity(command.tag)));
-    case CommandCode::kStatistics: return outbox_.push_reply(encode(statistics(command.tag, now, counters)));
+    case CommandCode::kStatistics: return outbox_.push_reply(encode(statistics(command.tag, now)));
     case CommandCode::kSelfTest: return begin_self_test(command);
     case CommandCode::kReset: request_start(StartRequest::kReset, now); break;
     case CommandCode::kBootLoader: request_start(StartRequest::kBootLoader, now); break;
@@ -111,7 +116,7 @@ Identity Device::identity(std::uint16_t tag) const {
   return identity;
 }
 
-Statistics Device::statistics(std::uint16_t tag, Micros now, const BoardCounters& counters) const {
+Statistics Device::statistics(std::uint16_t tag, Micros now) const {
   const SensorCounters& sensor = sensor_.counters();
   Statistics statistics;
   statistics.sensor_state = sensor_.state();
@@ -125,11 +130,11 @@ Statistics Device::statistics(std::uint16_t tag, Micros now, const BoardCounters
   statistics.faults = sensor.faults;
   statistics.restarts = limited(sensor.restarts);
   statistics.bus_recoveries = limited(sensor.recoveries);
-  statistics.usb_resets = limited(counters.usb_resets);
-  statistics.usb_suspends = limited(counters.usb_suspends);
+  statistics.usb_resets = limited(counters_.usb_resets);
+  statistics.usb_suspends = limited(counters_.usb_suspends);
   statistics.bad_commands = limited(reader_.rejected());
   statistics.latency_max_us = limited(longest_latency_);
-  statistics.loop_max_us = limited(counters.longest_loop);
+  statistics.loop_max_us = limited(counters_.longest_loop);
   statistics.queue_max_bytes = limited(outbox_.most_frames() * kImuFrameWireBytes);
   return statistics;
 }

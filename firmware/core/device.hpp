@@ -38,12 +38,16 @@ class Device {
   void step(Micros now, const DataReady& ready);
 
   /// Bytes from the host, any split of its packets.
-  void receive(std::span<const std::uint8_t> bytes, Micros now, const BoardCounters& counters);
+  void receive(std::span<const std::uint8_t> bytes, Micros now);
+
+  /// The board's own counts, for the statistics.
+  void set_counters(const BoardCounters& counters) { counters_ = counters; }
 
   /// Somebody has the port open and the bus is awake.
   void set_open(bool open) { outbox_.set_open(open); }
 
-  /// The next packet for the host; size 0 when there is none.
+  /// The next packet for the host; only when has_packet().
+  bool has_packet() const { return !outbox_.empty(); }
   WirePacket next_packet() { return outbox_.next(); }
 
   /// A start anew, asked by USB or by command, happens 100 ms later: the answer goes out first.
@@ -58,14 +62,16 @@ class Device {
  private:
   void add_sample(const RawSample& sample, Micros now);
   void add_fault_frame(Micros now);
+  void tell_changes(Micros now);
   ImuFrame new_frame(Micros stamp);
-  void execute(const Command& command, Micros now, const BoardCounters& counters);
+  void execute(const Command& command, Micros now);
   void acknowledge(const Command& command, CommandResult result);
   void begin_self_test(const Command& command);
   Identity identity(std::uint16_t tag) const;
-  Statistics statistics(std::uint16_t tag, Micros now, const BoardCounters& counters) const;
+  Statistics statistics(std::uint16_t tag, Micros now) const;
 
   BoardFacts facts_;
+  BoardCounters counters_;
   Sensor sensor_;
   CommandReader reader_;
   Outbox outbox_;
@@ -74,6 +80,7 @@ class Device {
   std::uint16_t sequence_ = 0;
   std::uint16_t test_tag_ = 0;
   SensorState told_state_ = SensorState::kStarting;
+  SensorFault told_fault_ = SensorFault::kNone;
   Micros next_fault_frame_ = 0;
   StartRequest start_ = StartRequest::kNone;
   Micros start_at_ = 0;

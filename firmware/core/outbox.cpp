@@ -21,14 +21,13 @@ WirePacket Outbox::next() {
     replies_.pop();
     return reply;
   }
-  WirePacket packet;
-  if (frames_.empty()) return packet;
   ImuFrame frame = frames_.front();
   frames_.pop();
   frame.dropped = static_cast<std::uint16_t>(dropped_);
   if (!first_sent_) frame.status |= static_cast<std::uint8_t>(ImuStatus::kFirstFrame);
   first_sent_ = true;
   const auto bytes = encode(frame);
+  WirePacket packet;
   for (std::size_t i = 0; i < bytes.size(); ++i) packet.bytes[i] = bytes[i];
   packet.size = static_cast<std::uint8_t>(bytes.size());
   return packet;

@@ -39,8 +39,9 @@ class Outbox {
   void set_open(bool open);
   bool open() const { return open_; }
 
-  /// The next packet, replies first; size 0 when there is none. Frames get the newest count of dropped ones here, so that the
-  /// first frame behind a gap tells its size.
+  bool empty() const { return frames_.empty() && replies_.empty(); }
+  /// The next packet, replies first; not when empty. Frames get the newest count of dropped ones here, so that the first
+  /// frame behind a gap tells its size.
   WirePacket next();
 
   std::uint32_t dropped() const { return dropped_; }

@@ -188,11 +188,12 @@ void Sensor::write_settings(std::span<const Setting> settings, Phase then) {
   phase_ = Phase::kSettings;
 }
 
-/// Samples from before `from` are not meant.
-void Sensor::await_data(Micros from, const DataReady& ready) {
+/// Samples from before are not meant.
+void Sensor::await_data(Micros now, const DataReady& ready) {
   reading_ = ready;
   overrun_ = false;
-  deadline_ = from + kFirstDataTimeout;
+  progress_at_ = now;
+  deadline_ = now + kFirstDataTimeout;
 }
 
 bool Sensor::settings_hold() const {

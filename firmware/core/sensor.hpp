@@ -63,7 +63,7 @@ class Sensor {
   void restart(Micros now);
   void fail(SensorFault fault, Micros now);
   void write_settings(std::span<const lsm6dsox::Setting> settings, Phase then);
-  void await_data(Micros from, const DataReady& ready);
+  void await_data(Micros now, const DataReady& ready);
   bool settings_hold() const;
 
   SensorBus& bus_;

@@ -1,6 +1,7 @@
 #pragma once
 // What the IMU board says besides samples: identity, statistics, self-test, acknowledgement. Layouts, encoders, decoders.
-// Replies carry the command's tag; statistics also come unasked (tag 0) when the sensor's state changes. Freestanding.
+// Replies carry the command's tag; statistics also come unasked (tag 0) when the sensor's state or fault changes.
+// Freestanding.
 
 #include <array>
 #include <cstdint>
