@@ -62,7 +62,7 @@ BusState I2cBus::state() {
 }
 
 bool I2cBus::recover() {
-  reg(i2c0::kEnable) = 0;
+  hold_in_reset(resets::kI2c0);
   drive(kSdaPin, true);
   drive(kSclPin, true);
   set_function(io_bank::kFunctionSio);
@@ -83,7 +83,6 @@ bool I2cBus::recover() {
 
 void I2cBus::start_controller() {
   release_from_reset(resets::kI2c0);
-  reg(i2c0::kEnable) = 0;
   reg(i2c0::kControl) =
       i2c0::kMaster | i2c0::kFast | i2c0::kRestartEnable | i2c0::kSlaveDisable | i2c0::kTxEmptyControl;
   reg(i2c0::kTarget) = lsm6dsox::kBusAddress;

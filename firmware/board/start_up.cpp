@@ -55,7 +55,7 @@ void start_clocks() {
 }
 
 void start_pins() {
-  release_from_reset(resets::kIoBank0 | resets::kPadsBank0 | resets::kSysInfo);
+  release_from_reset(resets::kIoBank0 | resets::kPadsBank0);
   reg(sio::kOutClear) = bit(kLedPin) | bit(kSdaPin) | bit(kSclPin);
   reg(sio::kEnableSet) = bit(kLedPin);
   reg(io_bank::control(kLedPin)) = io_bank::kFunctionSio;

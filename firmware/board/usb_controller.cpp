@@ -44,11 +44,12 @@ void UsbController::service(Micros now) {
   if ((events & usb::kEventBuffer) != 0) {
     suspended_ = false;  // a transfer: the bus is awake
     const std::uint32_t done = reg(usb::kBufferStatus);
+    // Before the next buffers go out: their end must not be cleared with this. The OUT pipe's bit stays until receive() has
+    // fetched the bytes.
+    reg(usb::kBufferStatus) = done & ~kPipeOut;
     if ((done & kControlIn) != 0) control_in_done();
     if ((done & kControlOut) != 0) control_out_done();
     if ((done & kPipeIn) != 0) in_pending_ = false;
-    // The OUT pipe's bit stays until receive() has fetched the bytes.
-    reg(usb::kBufferStatus) = done & ~kPipeOut;
   }
   if ((events & usb::kEventSetup) != 0) setup();
   if ((events & usb::kEventSuspend) != 0) {
