@@ -23,7 +23,7 @@ App::App(const Config& config, const std::string& version, PosePublisher publish
     : config_{config},
       log_{config.log},
       publisher_{std::move(publisher)},
-      map_{config.map},
+      map_{config.map, config.vehicle.T_base_lidar},
       streams_{std::move(streams)},
       lidar_{std::move(lidar)},
       imu_{config.imu, config.imu_frames,

@@ -91,7 +91,17 @@ Fields map_fields(MapStoreConfig& c) {
        &c.byte_budget,
        "B",
        {1 << 20, 1e12},
-       "of all points; beyond it the oldest keyframes lose theirs"},
+       "of all points; beyond it the oldest keyframes are forgotten"},
+      {"map.shared_keyframes",
+       &c.shared_keyframes,
+       "",
+       {1, 100'000},
+       "a surface that one of so many keyframes before has is not stored again"},
+      {"map.moving_keyframes",
+       &c.moving.keyframes,
+       "",
+       {0, 1000},
+       "later keyframes that are asked whether a point moved; 0 keeps moving objects"},
   };
 }
 

@@ -42,7 +42,9 @@ Outcome make_map(const MapStore& store, const MapRequest& request, const JobProg
   const MapSnapshot snapshot =
       store.snapshot(request.query, [&progress](double share) { return progress("placing", share); });
   if (!progress("writing", 0.0)) return RpcError{error::kBusy, "nobody waits for the map any more"};
-  Result<UniqueFd> fd = cloud_memfd(snapshot.points, request.format);
+  Result<UniqueFd> fd = cloud_memfd(snapshot.points, {.format = request.format,
+                                                      .reference = snapshot.reference,
+                                                      .progress = [&](double share) { return progress("writing", share); }});
   if (!fd) return RpcError{error::kWriteFailed, fd.reason()};
   return Reply{{{"format", request.format == CloudFormat::kPcd ? "pcd" : "ply"},
                 {"points", snapshot.points.size()},
@@ -58,8 +60,15 @@ Outcome save_map(const MapStore& store, const MapRequest& request, const std::st
   Outcome made = make_map(store, request, progress);
   if (std::holds_alternative<RpcError>(made)) return made;
   Reply& reply = std::get<Reply>(made);
-  const Result<void> saved = save_atomically(reply.fd.get(), path);
+  const Result<void> saved =
+      save_atomically(reply.fd.get(), path, [&](double share) { return progress("saving", share); });
   if (!saved) return RpcError{error::kWriteFailed, saved.reason()};
+  if (const std::optional<GeoReference> reference = store.geo_reference()) {
+    const Result<UniqueFd> side = text_memfd(to_yaml(*reference));
+    const Result<void> side_saved = side ? save_atomically(side->get(), path + ".yaml") : Result<void>{Error{side.reason()}};
+    if (!side_saved) return RpcError{error::kWriteFailed, side_saved.reason()};
+    reply.result["reference_path"] = path + ".yaml";
+  }
   reply.fd.reset();
   reply.result.erase(protocol::kFdField);
   reply.result["path"] = path;

@@ -71,6 +71,11 @@ json Methods::fresh_status(HostTime now) const {
   const json map = {{"keyframes", counts.keyframes},
                     {"points", counts.points},
                     {"bytes", counts.bytes},
+                    {"byte_budget", counts.byte_budget},
+                    {"budget_reached", counts.evicted_keyframes > 0},
+                    {"changes", counts.changes},
+                    {"moved_keyframes", counts.moved_keyframes},
+                    {"moving_points", counts.moving_points},
                     {"evicted_keyframes", counts.evicted_keyframes},
                     {"rejected_keyframes", counts.rejected_keyframes},
                     {"rejected_points", counts.rejected_points}};

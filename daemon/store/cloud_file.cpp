@@ -4,11 +4,14 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 
-#include <array>
+#include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstdlib>
+#include <utility>
+#include <vector>
 
-#include "daemon/store/pcl_cloud.hpp"
+#include "daemon/store/cloud_writer.hpp"
 
 namespace slamd {
 namespace {
@@ -33,25 +36,20 @@ Error write_error() {
   }
 }
 
-bool write_all(int fd, const char* bytes, std::size_t count) {
-  while (count > 0) {
-    const ssize_t written = ::write(fd, bytes, count);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return false;
-    bytes += written;
-    count -= static_cast<std::size_t>(written);
-  }
-  return true;
-}
+constexpr Error kStopped{"the writing was stopped"};
 
-bool copy_all(int from, int to) {
-  std::array<char, 65536> buffer;
+/// Copies and syncs a mebibyte at a time, so that being told to stop takes effect soon on a slow disk too.
+Result<void> copy_all(int from, int to, const WriteProgress& progress) {
+  std::vector<char> buffer(std::size_t{1} << 20U);
+  struct stat status {};
+  const double size = ::fstat(from, &status) == 0 ? static_cast<double>(std::max<off_t>(status.st_size, 1)) : 1.0;
   off_t offset = 0;
   while (true) {
+    if (progress && !progress(std::min(1.0, static_cast<double>(offset) / size))) return kStopped;
     const ssize_t count = ::pread(from, buffer.data(), buffer.size(), offset);
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return count == 0;
-    if (!write_all(to, buffer.data(), static_cast<std::size_t>(count))) return false;
+    if (count == 0) return {};
+    if (count < 0 || !write_all(to, buffer.data(), static_cast<std::size_t>(count)) || ::fdatasync(to) != 0) return write_error();
     offset += count;
   }
 }
@@ -65,10 +63,10 @@ void sync_folder_of(const std::string& path) {
 
 }  // namespace
 
-Result<UniqueFd> cloud_memfd(const PointCloud& points, CloudFormat format) {
+Result<UniqueFd> cloud_memfd(const PointCloud& points, const CloudFileOptions& options) {
   UniqueFd fd = fresh_memfd("slamd-map");
   if (!fd) return Error{"no memory file for the map"};
-  if (const Result<void> written = write_with_pcl(fd.get(), points, format); !written) return Error{written.reason()};
+  if (const Result<void> written = write_cloud(fd.get(), points, options); !written) return Error{written.reason()};
   return sealed(std::move(fd));
 }
 
@@ -78,20 +76,21 @@ Result<UniqueFd> text_memfd(std::string_view text) {
   return sealed(std::move(fd));
 }
 
-Result<void> save_atomically(int content, const std::string& path) {
+Result<void> save_atomically(int content, const std::string& path, const WriteProgress& progress) {
   constexpr mode_t kMode = S_IRUSR | S_IWUSR | S_IRGRP;
   std::string temporary = path + ".XXXXXX";
   UniqueFd fd{::mkostemp(temporary.data(), O_CLOEXEC)};
   if (!fd) return write_error();
-  const bool whole = copy_all(content, fd.get()) && ::fchmod(fd.get(), kMode) == 0 && ::fsync(fd.get()) == 0 &&
-                     ::rename(temporary.c_str(), path.c_str()) == 0;
-  if (!whole) {
-    const Error error = write_error();
-    ::unlink(temporary.c_str());
-    return error;
+  Result<void> saved = copy_all(content, fd.get(), progress);
+  if (saved && (::fchmod(fd.get(), kMode) != 0 || ::fsync(fd.get()) != 0 || ::rename(temporary.c_str(), path.c_str()) != 0)) {
+    saved = write_error();
   }
-  sync_folder_of(path);
-  return {};
+  if (saved) {
+    sync_folder_of(path);
+  } else {
+    ::unlink(temporary.c_str());
+  }
+  return saved;
 }
 
 }  // namespace slamd

@@ -2,60 +2,57 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
+#include <vector>
 
 #include "daemon/store/voxel_set.hpp"
 
 namespace slamd {
 namespace {
 
-constexpr double kUnit_m = 0.005;  // 16 bits of it reach 163.8 m, beyond kMaxRange_m; worst rounding 2.5 mm an axis
-static_assert(MapStore::kMaxRange_m / kUnit_m < 32767);
-
-struct PackedPoint {
-  std::int16_t x, y, z;  // base frame, in kUnit_m
-  std::uint16_t intensity;
-};
-using PackedPoints = std::vector<PackedPoint>;
-
 bool is_finite(const Pose& pose) {
   return pose.translation.allFinite() && pose.rotation.coeffs().allFinite();
 }
 
-std::optional<PackedPoint> pack(const CloudPoint& point) {
-  const auto fits = [](float coordinate) { return std::abs(coordinate) <= MapStore::kMaxRange_m; };  // NaN does not
-  if (!fits(point.x) || !fits(point.y) || !fits(point.z)) return std::nullopt;
-  const auto units = [](float coordinate) { return static_cast<std::int16_t>(std::lround(coordinate / kUnit_m)); };
-  const float intensity = std::isfinite(point.intensity) ? std::clamp(point.intensity, 0.0F, 255.0F) : 0.0F;
-  return PackedPoint{units(point.x), units(point.y), units(point.z), static_cast<std::uint16_t>(intensity)};
-}
-
-Eigen::Vector3d unpack(const PackedPoint& point) {
-  return Eigen::Vector3d{static_cast<double>(point.x), static_cast<double>(point.y), static_cast<double>(point.z)} *
-         kUnit_m;
+bool is_same(const Pose& a, const Pose& b) {
+  return a.translation == b.translation && a.rotation.coeffs() == b.rotation.coeffs();
 }
 
 bool contains(const MapBox& box, const Eigen::Vector3d& p_map) {
   return (p_map.array() >= box.min_m.array()).all() && (p_map.array() <= box.max_m.array()).all();
 }
 
-/// Can any point within kMaxRange_m (each axis) of this place lie in the box?
-bool may_touch(const MapBox& box, const Eigen::Vector3d& p_map) {
-  const double reach_m = MapStore::kMaxRange_m * std::sqrt(3.0);
+/// Can any point within reach_m of this place lie in the box?
+bool may_touch(const MapBox& box, const Eigen::Vector3d& p_map, double reach_m) {
   return ((p_map.array() + reach_m) >= box.min_m.array()).all() &&
          ((p_map.array() - reach_m) <= box.max_m.array()).all();
 }
 
-struct PlacedPoints {
-  std::shared_ptr<const PackedPoints> points;
+double reach_of(const PackedPoints& points) {
+  float reach2 = 0.0F;
+  for (const PackedPoint& point : points) reach2 = std::max(reach2, point.position().squaredNorm());
+  return std::sqrt(reach2);
+}
+
+}  // namespace
+
+struct MapStore::StoredKeyframe {
   Pose T_map_base;
+  double reach_m = 0.0;                        // of the farthest point from base
+  std::shared_ptr<const PackedPoints> points;  // shared: a snapshot outlives an eviction
+
+  std::size_t bytes() const {
+    constexpr std::size_t kListNode = 48;  // of the map and of the pointer's count
+    return points->size() * sizeof(PackedPoint) + sizeof(StoredKeyframe) + sizeof(PackedPoints) + 2 * kListNode;
+  }
 };
 
+namespace {
+
 /// Appends what lies in the box and in a voxel not yet taken. False when max_points was reached.
-bool append(const PlacedPoints& placed, const MapQuery& query, VoxelSet& voxels, PointCloud& out) {
-  for (const PackedPoint& point : *placed.points) {
-    const Eigen::Vector3d p_map = placed.T_map_base * unpack(point);
+bool append(const Pose& T_map_base, const PackedPoints& points, const MapQuery& query, VoxelSet& voxels, PointCloud& out) {
+  for (const PackedPoint& point : points) {
+    const Eigen::Vector3d p_map = T_map_base * point.position().cast<double>();
     if (!contains(query.box, p_map) || !voxels.take(p_map.x(), p_map.y(), p_map.z())) continue;
     if (out.size() == query.max_points) return false;
     out.push_back({static_cast<float>(p_map.x()), static_cast<float>(p_map.y()), static_cast<float>(p_map.z()),
@@ -66,70 +63,124 @@ bool append(const PlacedPoints& placed, const MapQuery& query, VoxelSet& voxels,
 
 }  // namespace
 
-struct MapStore::StoredKeyframe {
-  Pose T_map_base;
-  std::shared_ptr<const PackedPoints> points;  // shared: a snapshot outlives an eviction
-
-  std::size_t bytes() const { return points->size() * sizeof(PackedPoint); }
-};
-
-MapStore::MapStore(const MapStoreConfig& config) : config_{config} {}
+MapStore::MapStore(const MapStoreConfig& config, const Pose& T_base_lidar)
+    : config_{config}, recent_{config.voxel_size_m, config.shared_keyframes}, moving_{config.moving, T_base_lidar} {
+  counts_.byte_budget = config.byte_budget;
+}
 MapStore::~MapStore() = default;
 
 void MapStore::add(const Keyframe& keyframe, const Pose& T_map_odom) {
-  auto points = std::make_shared<PackedPoints>();
-  VoxelSet voxels{config_.voxel_size_m, keyframe.points.size()};
+  const Pose T_map_base = T_map_odom * keyframe.state.T_odom_base;
+  PackedPoints points;
+  if (is_finite(T_map_base)) points = thin(keyframe);
+  const auto shared = std::make_shared<const PackedPoints>(std::move(points));
+  if (!keep(keyframe, {T_map_base, reach_of(*shared), shared})) return;
+  for (const MovingPoints::Verdict& verdict : moving_.add(keyframe, *shared)) take_away(verdict);
+}
+
+/// The first point of each voxel of odom that no recent keyframe has taken.
+PackedPoints MapStore::thin(const Keyframe& keyframe) {
+  PackedPoints points;
   std::size_t rejected = 0;
   for (const CloudPoint& point : keyframe.points) {
-    const std::optional<PackedPoint> packed = pack(point);
-    if (!packed) ++rejected;
-    if (packed && voxels.take(point.x, point.y, point.z)) points->push_back(*packed);
+    const std::optional<PackedPoint> packed = PackedPoint::of(point);
+    if (!packed) {
+      ++rejected;
+    } else if (recent_.take(keyframe.state.T_odom_base * Eigen::Vector3d{point.x, point.y, point.z},
+                            static_cast<std::uint32_t>(keyframe.id))) {
+      points.push_back(*packed);
+    }
   }
-  points->shrink_to_fit();
-  const StoredKeyframe stored{T_map_odom * keyframe.state.T_odom_base, std::move(points)};
-
+  points.shrink_to_fit();
   const std::lock_guard lock{mutex_};
   counts_.rejected_points += rejected;
-  if (!is_finite(stored.T_map_base) || !keyframes_.emplace(keyframe.id, stored).second) {
+  return points;
+}
+
+bool MapStore::keep(const Keyframe& keyframe, StoredKeyframe stored) {
+  const std::lock_guard lock{mutex_};
+  const auto [place, is_new] = is_finite(stored.T_map_base) ? keyframes_.emplace(keyframe.id, std::move(stored))
+                                                            : std::pair{keyframes_.end(), false};
+  if (!is_new) {
     ++counts_.rejected_keyframes;
-    return;
+    return false;
   }
-  counts_.points += stored.points->size();
-  counts_.bytes += stored.bytes();
+  account(place->second, true);
+  ++counts_.changes;
   keep_budget();
+  return true;
+}
+
+void MapStore::take_away(const MovingPoints::Verdict& verdict) {
+  for (const PackedPoint& point : verdict.removed) {
+    recent_.release(verdict.T_odom_base * point.position().cast<double>(), static_cast<std::uint32_t>(verdict.id));
+  }
+  auto kept = std::make_shared<const PackedPoints>(verdict.kept);
+  const std::lock_guard lock{mutex_};
+  const auto found = keyframes_.find(verdict.id);
+  if (found == keyframes_.end()) return;
+  account(found->second, false);
+  found->second.points = std::move(kept);
+  account(found->second, true);
+  counts_.moving_points += verdict.removed.size();
+  ++counts_.changes;
+}
+
+void MapStore::account(const StoredKeyframe& keyframe, bool added) {
+  const auto add = [added](std::size_t& total, std::size_t share) { total = added ? total + share : total - share; };
+  add(counts_.points, keyframe.points->size());
+  add(counts_.bytes, keyframe.bytes());
 }
 
 void MapStore::keep_budget() {
   while (counts_.bytes > config_.byte_budget && !keyframes_.empty()) {
     const auto oldest = keyframes_.begin();
-    counts_.points -= oldest->second.points->size();
-    counts_.bytes -= oldest->second.bytes();
+    account(oldest->second, false);
     ++counts_.evicted_keyframes;
+    ++counts_.changes;
     keyframes_.erase(oldest);
   }
 }
 
 void MapStore::move(std::span<const KeyframePose> poses) {
   const std::lock_guard lock{mutex_};
+  std::uint64_t moved = 0;
   for (const KeyframePose& pose : poses) {
     const auto found = keyframes_.find(pose.id);
-    if (found != keyframes_.end() && is_finite(pose.T_map_base)) found->second.T_map_base = pose.T_map_base;
+    if (found == keyframes_.end() || !is_finite(pose.T_map_base)) continue;
+    if (is_same(found->second.T_map_base, pose.T_map_base)) continue;
+    found->second.T_map_base = pose.T_map_base;
+    ++moved;
   }
+  counts_.moved_keyframes += moved;
+  if (moved > 0) ++counts_.changes;
+}
+
+void MapStore::set_geo_reference(const std::optional<GeoReference>& reference) {
+  const std::lock_guard lock{mutex_};
+  reference_ = reference;
+}
+
+std::optional<GeoReference> MapStore::geo_reference() const {
+  const std::lock_guard lock{mutex_};
+  return reference_;
 }
 
 MapSnapshot MapStore::snapshot(const MapQuery& query, const Progress& progress) const {
-  std::vector<PlacedPoints> placed;
+  MapSnapshot snapshot;
+  std::vector<StoredKeyframe> placed;
   {
     const std::lock_guard lock{mutex_};
+    snapshot.reference = reference_;
     placed.reserve(keyframes_.size());
-    for (const auto& [id, keyframe] : keyframes_) placed.push_back({keyframe.points, keyframe.T_map_base});
+    for (const auto& [id, keyframe] : keyframes_) placed.push_back(keyframe);
   }
-  MapSnapshot snapshot;
   VoxelSet voxels{query.voxel_size_m, 0};
   for (std::size_t i = 0; i < placed.size() && !snapshot.truncated; ++i) {
     if (progress && !progress(static_cast<double>(i) / static_cast<double>(placed.size()))) break;
-    if (!may_touch(query.box, placed[i].T_map_base.translation)) continue;
-    snapshot.truncated = !append(placed[i], query, voxels, snapshot.points);
+    const auto& [T_map_base, reach_m, points] = placed[i];
+    if (!may_touch(query.box, T_map_base.translation, reach_m)) continue;
+    snapshot.truncated = !append(T_map_base, *points, query, voxels, snapshot.points);
     ++snapshot.keyframes;
   }
   return snapshot;
@@ -140,13 +191,6 @@ MapCounts MapStore::counts() const {
   MapCounts counts = counts_;
   counts.keyframes = keyframes_.size();
   return counts;
-}
-
-void MapStore::clear() {
-  const std::lock_guard lock{mutex_};
-  keyframes_.clear();
-  counts_.points = 0;
-  counts_.bytes = 0;
 }
 
 }  // namespace slamd

@@ -10,17 +10,22 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
-#include <vector>
 
+#include "daemon/store/geo_reference.hpp"
+#include "daemon/store/moving_points.hpp"
+#include "daemon/store/packed_point.hpp"
+#include "daemon/store/recent_voxels.hpp"
 #include "estimator/types/keyframe.hpp"
-#include "estimator/types/pose.hpp"
 
 namespace slamd {
 
 struct MapStoreConfig {
-  double voxel_size_m = 0.2;                     // of each keyframe; finer detail is not kept
-  std::size_t byte_budget = 256U * 1024 * 1024;  // of all points; beyond it the oldest keyframes are forgotten
+  double voxel_size_m = 0.2;         // one point in each; finer detail is not kept
+  std::uint32_t shared_keyframes = 150;  // a surface that one of so many keyframes before has is not stored again
+  std::size_t byte_budget = 256U * 1024 * 1024;  // of all keyframes; beyond it the oldest are forgotten
+  MovingPointsConfig moving{};
 };
 
 /// An axis-aligned box in map, metres; by default everything.
@@ -39,13 +44,18 @@ struct MapSnapshot {
   PointCloud points;          // map frame, ordered by keyframe
   std::size_t keyframes = 0;  // that were read
   bool truncated = false;     // max_points was reached
+  std::optional<GeoReference> reference;
 };
 
 struct MapCounts {
   std::size_t keyframes = 0;
   std::size_t points = 0;
   std::size_t bytes = 0;
-  std::uint64_t evicted_keyframes = 0;   // forgotten for the budget
+  std::size_t byte_budget = 0;
+  std::uint64_t changes = 0;              // of what a snapshot shows: keyframes added, moved, thinned or forgotten
+  std::uint64_t moved_keyframes = 0;      // by corrections of the back end
+  std::uint64_t moving_points = 0;        // removed: rays went through them
+  std::uint64_t evicted_keyframes = 0;    // forgotten for the budget; more than none: the map has lost its beginning
   std::uint64_t rejected_keyframes = 0;   // id seen before, or a pose that is not finite
   std::uint64_t rejected_points = 0;      // not finite, or beyond kMaxRange_m of base
 };
@@ -56,21 +66,27 @@ struct KeyframePose {
   Pose T_map_base;
 };
 
-/// Every method may be called from any thread; the lock is held for list work only, never while points are computed
-/// over. Not for real-time threads.
+/// One thread adds; every other method may be called from any thread. The lock is held for list work only, never while
+/// points are computed over. Not for real-time threads.
 class MapStore {
  public:
-  static constexpr double kMaxRange_m = 160.0;
+  static constexpr double kMaxRange_m = PackedPoint::kReach_m;
 
-  explicit MapStore(const MapStoreConfig& config = {});
+  /// T_base_lidar  where rays come from.
+  explicit MapStore(const MapStoreConfig& config = {}, const Pose& T_base_lidar = {});
   ~MapStore();
 
-  /// Adds a keyframe's points (base frame, metres), thinned to the first one in each voxel.
+  /// Adds a keyframe: of its points the first in each voxel, if no recent keyframe has that surface already; then takes
+  /// away from recent keyframes what turned out to have moved. Some milliseconds, bounded.
   /// T_map_odom  where odom lies in map at that moment; the keyframe stays at T_map_odom * state.T_odom_base.
   void add(const Keyframe& keyframe, const Pose& T_map_odom = {});
 
-  /// Moves keyframes that the pose graph has corrected; unknown ids are ignored.
+  /// Moves keyframes that the pose graph has corrected: one assignment each, unknown ids are ignored.
   void move(std::span<const KeyframePose> poses);
+
+  /// Tells later snapshots where map lies on the earth.
+  void set_geo_reference(const std::optional<GeoReference>& reference);
+  std::optional<GeoReference> geo_reference() const;
 
   /// Told the share done, 0..1; returning false ends the work early.
   using Progress = std::function<bool(double)>;
@@ -79,18 +95,24 @@ class MapStore {
   MapSnapshot snapshot(const MapQuery& query, const Progress& progress = {}) const;
 
   MapCounts counts() const;
-  void clear();
 
  private:
   struct StoredKeyframe;
   using Keyframes = std::map<std::uint64_t, StoredKeyframe>;
 
-  void keep_budget();  // with the lock held
+  PackedPoints thin(const Keyframe& keyframe);
+  bool keep(const Keyframe& keyframe, StoredKeyframe stored);
+  void take_away(const MovingPoints::Verdict& verdict);
+  void keep_budget();                                                // with the lock held
+  void account(const StoredKeyframe& keyframe, bool added);         // likewise
 
   const MapStoreConfig config_;
+  RecentVoxels recent_;    // of the adding thread
+  MovingPoints moving_;    // likewise
   mutable std::mutex mutex_;
   Keyframes keyframes_;
   MapCounts counts_;
+  std::optional<GeoReference> reference_;
 };
 
 }  // namespace slamd

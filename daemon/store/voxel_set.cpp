@@ -13,13 +13,6 @@ std::uint64_t axis_number(double coordinate) {
   return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(coordinate))) & kAxisMask;
 }
 
-/// Spreads neighbouring voxels over the table (the finaliser of splitmix64).
-std::size_t spread(std::uint64_t key) {
-  key = (key ^ (key >> 30U)) * 0xBF58476D1CE4E5B9U;
-  key = (key ^ (key >> 27U)) * 0x94D049BB133111EBU;
-  return static_cast<std::size_t>(key ^ (key >> 31U));
-}
-
 }  // namespace
 
 VoxelSet::VoxelSet(double voxel_size_m, std::size_t expected)

@@ -19,6 +19,13 @@ class VoxelSet {
 
   std::size_t size() const { return size_; }
 
+  /// Spreads neighbouring voxel numbers over a table (the finaliser of splitmix64).
+  static std::size_t spread(std::uint64_t key) {
+    key = (key ^ (key >> 30U)) * 0xBF58476D1CE4E5B9U;
+    key = (key ^ (key >> 27U)) * 0x94D049BB133111EBU;
+    return static_cast<std::size_t>(key ^ (key >> 31U));
+  }
+
  private:
   static constexpr std::uint64_t kFree = ~std::uint64_t{0};  // no key: those have 63 bits
 

@@ -17,7 +17,8 @@ struct Keyframe {
   Matrix6d relative_covariance = Matrix6d::Zero();
   Eigen::Vector3d up_base = Eigen::Vector3d::UnitZ();  // unit, against gravity, in this base
   double up_sigma_rad = 1.0;                           // of up_base, an axis
-  PointCloud points;     // de-skewed to state.time, base frame
+  PointCloud points;     // in order of firing, de-skewed to state.time, base frame
+  Duration scan_span = std::chrono::milliseconds{100};  // first firing to state.time
 };
 
 }  // namespace slamd

@@ -2,13 +2,18 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <liblzf/lzf.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <random>
+#include <vector>
 
 namespace slamd {
 namespace {
@@ -45,7 +50,7 @@ std::string content_of(const fs::path& path) {
 
 TEST_F(CloudFile, PcdHoldsTheFieldsAndTheNumberOfPoints) {
   const PointCloud cloud{{1, 2, 3, 4}, {5, 6, 7, 8}, {9, 10, 11, 12}};
-  const Result<UniqueFd> fd = cloud_memfd(cloud, CloudFormat::kPcd);
+  const Result<UniqueFd> fd = cloud_memfd(cloud);
   ASSERT_TRUE(fd) << fd.reason();
   const std::string text = content_of(fd->get());
   EXPECT_NE(text.find("FIELDS x y z intensity"), std::string::npos);
@@ -55,7 +60,7 @@ TEST_F(CloudFile, PcdHoldsTheFieldsAndTheNumberOfPoints) {
 
 TEST_F(CloudFile, PlyHoldsTheFloatsAsTheyAre) {
   const PointCloud cloud{{1, 2, 3, 4}, {5, 6, 7, 8}};
-  const Result<UniqueFd> fd = cloud_memfd(cloud, CloudFormat::kPly);
+  const Result<UniqueFd> fd = cloud_memfd(cloud, {.format = CloudFormat::kPly, .reference = {}, .progress = {}});
   ASSERT_TRUE(fd) << fd.reason();
   const std::string text = content_of(fd->get());
   EXPECT_NE(text.find("element vertex 2"), std::string::npos);
@@ -63,11 +68,66 @@ TEST_F(CloudFile, PlyHoldsTheFloatsAsTheyAre) {
   EXPECT_NE(text.find(point), std::string::npos);
 }
 
-TEST_F(CloudFile, AnEmptyMapIsAnEmptyPcdAndNoPly) {
-  const Result<UniqueFd> pcd = cloud_memfd({}, CloudFormat::kPcd);
+TEST_F(CloudFile, AnEmptyMapIsAFileWithoutPoints) {
+  const Result<UniqueFd> pcd = cloud_memfd({});
   ASSERT_TRUE(pcd);
   EXPECT_NE(content_of(pcd->get()).find("POINTS 0"), std::string::npos);
-  EXPECT_FALSE(cloud_memfd({}, CloudFormat::kPly));
+  const Result<UniqueFd> ply = cloud_memfd({}, {.format = CloudFormat::kPly, .reference = {}, .progress = {}});
+  ASSERT_TRUE(ply);
+  EXPECT_NE(content_of(ply->get()).find("element vertex 0"), std::string::npos);
+}
+
+/// The plain bytes of a binary_compressed PCD, by the library that PCL's own decoder was copied from.
+std::vector<float> floats_of(const std::string& pcd) {
+  const std::string mark = "DATA binary_compressed\n";
+  const std::size_t begin = pcd.find(mark) + mark.size();
+  std::array<std::uint32_t, 2> sizes{};
+  std::memcpy(sizes.data(), pcd.data() + begin, sizeof sizes);
+  EXPECT_EQ(begin + sizeof sizes + sizes[0], pcd.size());
+  std::vector<float> floats(sizes[1] / sizeof(float));
+  EXPECT_EQ(lzf_decompress(pcd.data() + begin + sizeof sizes, sizes[0], floats.data(), sizes[1]), sizes[1]);
+  return floats;
+}
+
+TEST_F(CloudFile, PcdOfManyPiecesIsOneStreamFieldAfterField) {
+  PointCloud cloud(200'001);
+  std::mt19937 random{3};
+  std::uniform_real_distribution<float> coordinate{-100.0F, 100.0F};
+  for (CloudPoint& point : cloud) point = {coordinate(random), coordinate(random), 1.5F, coordinate(random)};
+  const Result<UniqueFd> fd = cloud_memfd(cloud);
+  ASSERT_TRUE(fd) << fd.reason();
+  const std::vector<float> floats = floats_of(content_of(fd->get()));
+  ASSERT_EQ(floats.size(), 4 * cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); i += 77) {
+    ASSERT_EQ(floats[i], cloud[i].x) << i;
+    ASSERT_EQ(floats[cloud.size() + i], cloud[i].y) << i;
+    ASSERT_EQ(floats[3 * cloud.size() + i], cloud[i].intensity) << i;
+  }
+}
+
+TEST_F(CloudFile, TheHeaderTellsWhereTheMapLiesOnTheEarth) {
+  GeoReference reference{.latitude_deg = 48.1234567, .longitude_deg = -11.5, .ellipsoid_height_m = 560.25, .T_enu_map = {}};
+  reference.T_enu_map.translation = {1.5, 2.5, -3.5};
+  for (const CloudFormat format : {CloudFormat::kPcd, CloudFormat::kPly}) {
+    const Result<UniqueFd> fd =
+        cloud_memfd({{1, 2, 3, 4}}, {.format = format, .reference = reference, .progress = {}});
+    ASSERT_TRUE(fd);
+    const std::string text = content_of(fd->get());
+    EXPECT_NE(text.find(" enu_origin_lat_lon_height 48.123456700 -11.500000000 560.2500\n"), std::string::npos);
+    EXPECT_NE(text.find(" T_enu_map_xyz_quat_xyzw 1.500000 2.500000 -3.500000 0.0"), std::string::npos);
+  }
+  EXPECT_NE(to_yaml(reference).find("origin_lat_deg: 48.123456700\n"), std::string::npos);
+}
+
+TEST_F(CloudFile, AWriteThatIsToldToStopLeavesNothing) {
+  int asked = 0;
+  const WriteProgress stop_soon = [&asked](double) { return ++asked < 3; };
+  EXPECT_FALSE(cloud_memfd(PointCloud(1'000'000), {.format = CloudFormat::kPcd, .reference = {}, .progress = stop_soon}));
+  EXPECT_EQ(asked, 3);
+  const Result<UniqueFd> large = text_memfd(std::string(5'000'000, 'x'));
+  asked = 0;
+  EXPECT_FALSE(save_atomically(large->get(), folder_ / "map.pcd", stop_soon));
+  EXPECT_EQ(files(), 0U);
 }
 
 TEST_F(CloudFile, NobodyCanChangeTheMemfdAnyMore) {

@@ -80,10 +80,11 @@ TEST(MapStore, StopsAtMaxPointsAndSaysSo) {
 }
 
 TEST(MapStore, ForgetsTheOldestKeyframesBeyondItsBudget) {
-  MapStore store{{.voxel_size_m = 0.01, .byte_budget = 10 * 1000 * 8}};
+  constexpr std::size_t kBudget = 10 * (1000 * 8 + 400);  // ten keyframes and their list nodes
+  MapStore store{{.voxel_size_m = 0.01, .byte_budget = kBudget}};
   for (std::uint64_t id = 0; id < 25; ++id) {
     store.add(keyframe_with(id, random_points(1000, 5), {10.0 * static_cast<double>(id), 0.0, 0.0}));
-    ASSERT_LE(store.counts().bytes, 10U * 1000 * 8);
+    ASSERT_LE(store.counts().bytes, kBudget);
   }
   const MapCounts counts = store.counts();
   EXPECT_EQ(counts.evicted_keyframes + counts.keyframes, 25U);
@@ -116,10 +117,44 @@ TEST(MapStore, TellsItsProgressAndStopsWhenToldTo) {
   EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
 }
 
+TEST(MapStore, DoesNotStoreASurfaceAgainThatARecentKeyframeHas) {
+  MapStore store{{.shared_keyframes = 5}};
+  const PointCloud points = random_points(1000, 8);
+  store.add(keyframe_with(0, points));
+  const std::size_t once = store.counts().points;
+  EXPECT_GT(once, 990U);
+  for (std::uint64_t id = 1; id < 5; ++id) store.add(keyframe_with(id, points));
+  EXPECT_EQ(store.counts().points, once) << "the keyframes before have all of it";
+  store.add(keyframe_with(5, points));
+  EXPECT_EQ(store.counts().points, 2 * once) << "a later pass stores its own";
+}
+
+TEST(MapStore, SharedSurfacesAreFoundInOdomWhereverOdomLiesInMap) {
+  MapStore store;
+  Pose T_map_odom;
+  store.add(keyframe_with(0, {{12.05F, 0.05F, 0.05F, 1.0F}}), T_map_odom);
+  T_map_odom.translation = {3.0, -2.0, 1.0};  // the back end has learnt something in between
+  store.add(keyframe_with(1, {{10.05F, 0.05F, 0.05F, 1.0F}, {9.0F, 0, 0, 2.0F}}, {2.0, 0.0, 0.0}), T_map_odom);
+  EXPECT_EQ(store.counts().points, 2U) << "the first point of the second keyframe is the one of the first";
+}
+
+TEST(MapStore, CountsChangesOfWhatASnapshotShows) {
+  MapStore store;
+  store.add(keyframe_with(0, {{1.0F, 0.0F, 0.0F, 1.0F}}));
+  EXPECT_EQ(store.counts().changes, 1U);
+  KeyframePose pose{.id = 0, .T_map_base = {}};
+  store.move(std::array{pose});
+  EXPECT_EQ(store.counts().changes, 1U) << "it was there already";
+  pose.T_map_base.translation.x() = 1.0;
+  store.move(std::array{pose, KeyframePose{.id = 7, .T_map_base = {}}});
+  EXPECT_EQ(store.counts().changes, 2U);
+  EXPECT_EQ(store.counts().moved_keyframes, 1U);
+}
+
 TEST(MapStore, CanBeReadWhileTheMappingThreadWrites) {
   MapStore store{{.voxel_size_m = 0.1, .byte_budget = 50'000}};
   std::thread writer{[&store] {
-    for (std::uint64_t id = 0; id < 200; ++id) store.add(keyframe_with(id, random_points(500, 7)));
+    for (std::uint64_t id = 0; id < 200; ++id) store.add(keyframe_with(id, random_points(500, 7), {200.0 * static_cast<double>(id), 0, 0}));
   }};
   std::size_t most = 0;
   while (store.counts().keyframes + store.counts().evicted_keyframes < 200) {

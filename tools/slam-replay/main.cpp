@@ -44,7 +44,7 @@ bool write_map(replay::Replay& replay, const std::string& path, std::uint64_t& p
   const MapSnapshot snapshot = replay.map().snapshot({});
   points = snapshot.points.size();
   if (snapshot.points.empty()) return true;
-  const Result<UniqueFd> file = cloud_memfd(snapshot.points, CloudFormat::kPcd);
+  const Result<UniqueFd> file = cloud_memfd(snapshot.points, {.format = CloudFormat::kPcd, .reference = snapshot.reference, .progress = {}});
   return file && save_atomically(file->get(), path);
 }
 

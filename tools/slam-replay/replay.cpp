@@ -3,7 +3,9 @@
 namespace slamd::replay {
 
 Replay::Replay(const VehicleGeometry& vehicle, const OdometryConfig& odometry, const MapStoreConfig& map)
-    : odometry_{vehicle, odometry}, predictor_{vehicle, odometry.dead_reckoning, odometry.imu}, map_{map} {
+    : odometry_{vehicle, odometry},
+      predictor_{vehicle, odometry.dead_reckoning, odometry.imu},
+      map_{map, vehicle.T_base_lidar} {
   odometry_.set_stage_listener(&times_);
 }
 

@@ -78,6 +78,10 @@ std::string status_text(const json& status) {
   text += format("map: %.0f keyframes, %.0f points, %.1f MB  path: %.0f poses  clients: %.0f\n",
                  number(map, "keyframes"), number(map, "points"), number(map, "bytes") / 1e6,
                  number(status.at("trajectory"), "poses"), number(status.at("server"), "clients"));
+  if (map.value("budget_reached", false)) {
+    text += format("map: BUDGET of %.0f MB reached, the oldest %.0f keyframes are forgotten\n",
+                   number(map, "byte_budget") / 1e6, number(map, "evicted_keyframes"));
+  }
   return text;
 }
 
