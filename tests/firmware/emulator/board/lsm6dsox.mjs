@@ -191,7 +191,7 @@ export class Lsm6dsox {
   #sample() {
     const { gyro, accel, temperature = 25 } = this.motion(this.#world.now / 1e9);
     const counts = { gyro: this.#gyroCounts(gyro), accel: this.#accelCounts(accel) };
-    const raw = [Math.round((temperature - 25) * 256), ...counts.gyro, ...counts.accel];
+    const raw = [Math.round((temperature - 25) * 256) | 0, ...counts.gyro, ...counts.accel];
     raw.forEach((count, i) => {
       this.#bytes[2 * i] = count & 0xff;
       this.#bytes[2 * i + 1] = (count >> 8) & 0xff;
@@ -220,7 +220,7 @@ export class Lsm6dsox {
   }
 
   #clip(counts) {
-    return Math.max(-32768, Math.min(32767, Math.round(counts)));
+    return Math.max(-32768, Math.min(32767, Math.round(counts))) | 0;
   }
 
   #updatePin(sampled = false) {

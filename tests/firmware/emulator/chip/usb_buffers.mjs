@@ -21,7 +21,7 @@ export class EndpointBuffers {
   #faults;
   #onArmed;
   #last = new Map(); // offset of a buffer control -> { value, changedAt }
-  #handedOver = []; // [from, to, offset of its buffer control]
+  #handedOver = []; // { from, bytes: as handed over, control: offset of its buffer control }
 
   constructor(rp2040, clock, faults, onArmed) {
     this.#rp2040 = rp2040;
@@ -91,7 +91,7 @@ export class EndpointBuffers {
   #handBack(offset, word) {
     this.#rp2040.usbDPRAMView.setUint32(offset, word, true);
     this.#last.set(offset, { value: word, changedAt: this.#clock.nanos });
-    this.#handedOver = this.#handedOver.filter((entry) => entry[2] !== offset);
+    this.#handedOver = this.#handedOver.filter((entry) => entry.control !== offset);
   }
 
   #bufferControlWritten(offset, value) {
@@ -107,10 +107,10 @@ export class EndpointBuffers {
     }
     const changedAt = rest(value) !== rest(last.value) ? this.#clock.nanos : last.changedAt;
     this.#last.set(offset, { value, changedAt });
-    this.#handedOver = this.#handedOver.filter((entry) => entry[2] !== offset);
+    this.#handedOver = this.#handedOver.filter((entry) => entry.control !== offset);
     if (!(value & AVAILABLE)) return;
     const at = this.#bufferAt(endpoint, out);
-    this.#handedOver.push([at, at + Math.max(1, value & LENGTH), offset]);
+    this.#handedOver.push({ from: at, bytes: this.#rp2040.usbDPRAM.slice(at, at + (value & LENGTH)), control: offset });
     if (!out) this.#onArmed(endpoint);
   }
 
@@ -121,9 +121,12 @@ export class EndpointBuffers {
     if (this.#control(endpoint, out) & DOUBLE) this.#fault(endpoint, out, 'double buffering is not modelled');
   }
 
+  /** Zeros are let pass: the firmware blanks a packet that nobody fetched, and half of one blanked fails its CRC. */
   #checkUntouched(offset) {
-    for (const [from, to, control] of this.#handedOver) {
-      if (offset + 4 > from && offset < to && control >= 0x88) {
+    for (const { from, bytes, control } of this.#handedOver) {
+      if (control < 0x88 || offset + 4 <= from || offset >= from + bytes.length) continue;
+      const now = this.#rp2040.usbDPRAM.subarray(from, from + bytes.length);
+      if (now.some((byte, i) => byte !== bytes[i] && byte !== 0)) {
         this.#fault((control - 0x80) >> 3, (control >> 2) & 1, 'buffer written while the controller owns it');
       }
     }
