@@ -80,8 +80,10 @@ void UsbController::bus_reset() {
 
 void UsbController::setup() {
   std::array<std::uint8_t, 8> bytes;
-  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = ram(usb::kRam)[i];
-  reg(usb::kSieStatus) = usb::kStatusSetup;
+  do {  // again when another one came while this was read: its bytes lie in the same place
+    reg(usb::kSieStatus) = usb::kStatusSetup;
+    for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = ram(usb::kRam)[i];
+  } while ((reg(usb::kSieStatus) & usb::kStatusSetup) != 0);
   reg(usb::buffer_control_in(0)) = 0;
   reg(usb::buffer_control_out(0)) = 0;
   suspended_ = false;
