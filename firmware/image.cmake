@@ -10,9 +10,7 @@ find_package(Python3 REQUIRED COMPONENTS Interpreter)
 set(flags -mcpu=cortex-m0plus -mthumb -Os -ffreestanding -ffunction-sections -fdata-sections
   -ffile-prefix-map=${PROJECT_SOURCE_DIR}=. -ffile-prefix-map=${CMAKE_CURRENT_BINARY_DIR}=. -I${PROJECT_SOURCE_DIR})
 set(cxx_flags -g -std=c++20 -fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-asynchronous-unwind-tables
-  --param=min-pagesize=0 -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-align -Werror
-  -DSLAMD_VERSION_MAJOR=${PROJECT_VERSION_MAJOR} -DSLAMD_VERSION_MINOR=${PROJECT_VERSION_MINOR}
-  -DSLAMD_VERSION_PATCH=${PROJECT_VERSION_PATCH})
+  --param=min-pagesize=0 -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-align -Werror)
 set(link_flags -nostartfiles -nostdlib -Wl,--gc-sections -Wl,--no-warn-rwx-segments -Wl,--build-id=none
   -Wl,--fatal-warnings)
 

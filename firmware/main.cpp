@@ -66,7 +66,6 @@ class Program {
 BoardFacts facts() {
   BoardFacts facts;
   facts.id = board::read_unique_id();
-  facts.version = {SLAMD_VERSION_MAJOR, SLAMD_VERSION_MINOR, SLAMD_VERSION_PATCH};
   board::release_from_reset(board::resets::kSysInfo);
   facts.chip_revision = static_cast<std::uint8_t>(board::reg(board::sysinfo::kChipId) >> 28U);
   facts.reset_cause = board::reset_cause();

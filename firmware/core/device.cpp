@@ -1,5 +1,7 @@
 #include "firmware/core/device.hpp"
 
+#include "firmware/core/version.hpp"
+
 namespace slamd {
 namespace {
 
@@ -108,7 +110,7 @@ Identity Device::identity(std::uint16_t tag) const {
   identity.sensor_id = sensor_.id();
   identity.tag = tag;
   identity.unique_id = facts_.id;
-  identity.version = facts_.version;
+  identity.version = kFirmwareVersion;
   identity.chip_revision = facts_.chip_revision;
   identity.rate_hz = lsm6dsox::kRateHz;
   identity.gyro_range_dps = lsm6dsox::kGyroRangeDps;

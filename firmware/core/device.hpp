@@ -18,7 +18,6 @@ namespace slamd {
 /// What does not change while the board runs.
 struct BoardFacts {
   UniqueId id{};
-  std::array<std::uint8_t, 3> version{};
   std::uint8_t chip_revision = 0;
   ResetCause reset_cause = ResetCause::kPower;
 };

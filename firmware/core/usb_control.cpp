@@ -1,5 +1,6 @@
 #include "firmware/core/usb_control.hpp"
 
+#include "firmware/protocol/usb_identity.hpp"
 #include "firmware/protocol/wire.hpp"
 
 namespace slamd {
@@ -17,7 +18,6 @@ enum Standard : std::uint8_t {
   kSetConfiguration = 9, kGetInterface = 10, kSetInterface = 11
 };
 enum Serial : std::uint8_t { kSetLineCoding = 0x20, kGetLineCoding = 0x21, kSetLineState = 0x22, kSendBreak = 0x23 };
-enum Reset : std::uint8_t { kResetToBootLoader = 1, kResetToProgram = 2 };
 
 constexpr std::uint8_t kInterfaces = 3;
 constexpr std::uint32_t kTouchBaud = 1200;
@@ -128,10 +128,11 @@ ControlReply UsbControl::serial_port(const SetupPacket& packet) {
 
 ControlReply UsbControl::reset_interface(const SetupPacket& packet) {
   if ((packet.type & kToHost) != 0) return stall();
-  if (packet.request == kResetToBootLoader) start_request_ = StartRequest::kBootLoader;
-  else if (packet.request == kResetToProgram) start_request_ = StartRequest::kReset;
-  else return stall();
-  return acknowledge();
+  switch (static_cast<ImuResetRequest>(packet.request)) {
+    case ImuResetRequest::kBootLoader: start_request_ = StartRequest::kBootLoader; return acknowledge();
+    case ImuResetRequest::kFlash: start_request_ = StartRequest::kReset; return acknowledge();
+    default: return stall();
+  }
 }
 
 bool UsbControl::received(std::span<const std::uint8_t> bytes) {

@@ -1,5 +1,8 @@
 #include "firmware/core/usb_descriptors.hpp"
 
+#include "firmware/core/version.hpp"
+#include "firmware/protocol/usb_identity.hpp"
+
 namespace slamd {
 namespace {
 
@@ -14,9 +17,9 @@ constexpr std::array<std::uint8_t, 18> kDeviceDescriptor{
     18, kDevice, 0x00, 0x02,  // USB 2.0
     0xEF, 0x02, 0x01,         // interfaces are grouped by association descriptors
     64,                       // packet of endpoint 0
-    low(kUsbVendor), high(kUsbVendor), low(kUsbProduct), high(kUsbProduct),
-    0x10, 0x00,  // release 0.1.0
-    1, 2, 3,     // strings: manufacturer, product, serial number
+    low(kImuUsbVendor), high(kImuUsbVendor), low(kImuUsbProduct), high(kImuUsbProduct),
+    kFirmwareVersion[1], kFirmwareVersion[0],
+    1, 2, 3,  // strings: manufacturer, product, serial number
     1};
 
 constexpr std::array<std::uint8_t, 84> kConfigurationDescriptor{
@@ -33,14 +36,15 @@ constexpr std::array<std::uint8_t, 84> kConfigurationDescriptor{
     7, kEndpoint, kOutEndpoint, kBulk, kUsbPacketBytes, 0, 0,
     7, kEndpoint, kInEndpoint, kBulk, kUsbPacketBytes, 0, 0,
     // Reset interface, the one that picotool knows: no endpoints
-    9, kInterface, kResetInterface, 0, 0, 0xFF, 0x00, 0x01, 5};
+    9, kInterface, kResetInterface, 0, 0, kImuResetClass, kImuResetSubclass, kImuResetProtocol, 5};
+static_assert(kFirmwareVersion[0] < 10 && kFirmwareVersion[1] < 10);  // the release is in decimal digits
 static_assert(kDeviceDescriptor[0] == kDeviceDescriptor.size());
 static_assert(kConfigurationDescriptor[2] == kConfigurationDescriptor.size());
 
 constexpr const char* text(std::uint8_t index) {
   switch (index) {
     case 1: return "slamd";
-    case 2: return "slamd IMU";
+    case 2: return kImuUsbProductName;
     case 4: return "slamd IMU stream";
     case 5: return "slamd IMU reset";
     default: return "";

@@ -7,8 +7,6 @@
 
 namespace slamd {
 
-constexpr std::uint16_t kUsbVendor = 0x1209;   // pid.codes,
-constexpr std::uint16_t kUsbProduct = 0x0001;  // its product number for tests: see the README before selling boards
 constexpr std::uint16_t kUsbPacketBytes = 64;
 
 constexpr std::uint8_t kControlInterface = 0, kDataInterface = 1, kResetInterface = 2;

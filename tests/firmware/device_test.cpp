@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "firmware/core/version.hpp"
 #include "tests/firmware/sensor_fake.hpp"
 
 namespace slamd {
@@ -18,7 +19,7 @@ struct Received {
 
 class DeviceTest : public testing::Test {
  protected:
-  BoardFacts facts_{{0xDE, 0xAD, 0, 1, 2, 3, 4, 5}, {0, 1, 2}, 2, ResetCause::kPower};
+  BoardFacts facts_{{0xDE, 0xAD, 0, 1, 2, 3, 4, 5}, 2, ResetCause::kPower};
   test::SensorFake fake_;
   Device device_{fake_, facts_};
   Micros now_ = 0;
@@ -150,7 +151,7 @@ TEST_F(DeviceTest, EveryCommandGetsOneReplyWithItsTag) {
   ASSERT_EQ(replies.size(), 3U);
   const auto identity = read_identity(replies[0]);
   ASSERT_TRUE(identity);
-  EXPECT_EQ(*identity, (Identity{0x6C, 1, facts_.id, {0, 1, 2}, 2, 208, 500, 4}));
+  EXPECT_EQ(*identity, (Identity{0x6C, 1, facts_.id, kFirmwareVersion, 2, 208, 500, 4}));
   const auto statistics = read_statistics(replies[1]);
   ASSERT_TRUE(statistics);
   EXPECT_EQ(statistics->tag, 2);

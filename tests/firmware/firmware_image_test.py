@@ -14,7 +14,7 @@ sys.dont_write_bytecode = True
 import make_image  # noqa: E402  (from firmware/boot)
 
 PROJECT = """cmake_minimum_required(VERSION 3.25)
-project(slamd VERSION 0.1.0 LANGUAGES NONE)
+project(slamd LANGUAGES NONE)
 include(firmware/image.cmake)
 """
 
