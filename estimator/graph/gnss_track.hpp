@@ -1,0 +1,69 @@
+#pragma once
+// Fixes tied to the keyframes between which they were taken: where the antenna was in the vehicle's own frame then. Judges
+// nothing: gates and alignment come after.
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "estimator/graph/gnss_position.hpp"
+#include "estimator/graph/relative_pose.hpp"
+#include "estimator/math/geodesy.hpp"
+
+namespace slamd {
+
+/// What became of a fix. Numbers are those of gps.csv and never reused.
+enum class FixVerdict : std::uint8_t {
+  kAccepted = 0,
+  kStale = 1,        // the receiver repeats itself
+  kQuality = 2,      // no fix, dead reckoning, or weaker than the configuration permits
+  kUntied = 3,       // no two keyframes close enough around it: at rest, before the start, after a gap
+  kUnaligned = 4,    // before the yaw between map and ENU was known; judged again later
+  kInnovation = 5,   // beyond the gate
+  kDistrusted = 6,   // inside the gate, but the source failed too long before and has not yet earned trust again
+};
+
+struct FixReport {
+  HostTime time;
+  FixVerdict verdict = FixVerdict::kUntied;
+  double chi2 = 0.0;         // of the horizontal innovation, 2 degrees of freedom; NaN where it did not come so far
+  double innovation_m = 0.0;  // horizontal
+  double sigma_m = 0.0;       // as the driver believed
+};
+
+/// A fix between keyframes `keyframe` and `keyframe + 1`.
+struct TiedFix {
+  std::size_t report = 0;    // index of its FixReport
+  GnssPosition position;     // sigma_m as the driver said
+  Eigen::Vector3d velocity_odom_mps = Eigen::Vector3d::Zero();
+  HostTime time;
+};
+
+class GnssTrack {
+ public:
+  explicit GnssTrack(const Eigen::Vector3d& p_base_antenna) : p_base_antenna_{p_base_antenna} {}
+
+  void add(const Keyframe& keyframe);
+  /// The pose of keyframe i at `time`, which lies between it and the next one: cubic in position with the velocities of
+  /// both, even in rotation. Null when the two are too far apart in time to say, or there is no next one.
+  std::optional<Pose> T_keyframe_base(std::size_t i, HostTime time) const;
+  /// Index of the last keyframe not younger than `time`; null when there is none, or none follows yet.
+  std::optional<std::size_t> keyframe_before(HostTime time) const;
+  /// True when no keyframe younger than `time` has come yet.
+  bool is_ahead(HostTime time) const { return knots_.empty() || knots_.back().time <= time; }
+
+  /// Ties a fix with the given time and ENU position; null as T_keyframe_base.
+  std::optional<TiedFix> tie(const GnssFix& fix, HostTime time, const Eigen::Vector3d& p_enu) const;
+
+ private:
+  struct Knot {
+    HostTime time;
+    Pose T_odom_base;
+    Eigen::Vector3d velocity_mps;
+  };
+
+  Eigen::Vector3d p_base_antenna_;
+  std::vector<Knot> knots_;
+};
+
+}  // namespace slamd
