@@ -32,9 +32,11 @@ class PositionSource {
   /// Looks at what came since the last call. alignment: as the graph has it, nullopt before the first solve with
   /// positions. True when the graph should be solved again: a batch of new positions, or old ones withdrawn.
   virtual bool update(const GraphView& view, const std::optional<EnuAlignment>& alignment) = 0;
-  /// All positions that are believed now; empty until initial_alignment() has a value. In order of keyframes.
+  /// All positions that the graph shall heed; empty until initial_alignment() has a value, and while the track needs no
+  /// bending. In order of keyframes.
   virtual std::span<const GnssPosition> positions() const = 0;
-  /// Where the graph starts: yaw from motion. nullopt: not enough motion or fixes yet. Covariance: as far as known.
+  /// Of the track as it is, yaw from motion: where the graph starts, and what is published while there are no positions.
+  /// nullopt: not enough motion or fixes yet. Covariance: as far as known.
   virtual std::optional<EnuAlignment> initial_alignment() const = 0;
   /// Only with initial_alignment().
   virtual EnuOrigin origin() const = 0;

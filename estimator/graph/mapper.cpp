@@ -65,7 +65,8 @@ bool Mapper::solve_whole(const Cancelled& cancelled) {
   if (loops_) constraints.closures = loops_->closures();
   if (positions_ && positions_->initial_alignment()) {
     constraints.positions = positions_->positions();
-    constraints.enu = enu_ ? enu_ : positions_->initial_alignment();
+    const bool rigid = constraints.positions.empty();
+    constraints.enu = enu_ && !rigid ? enu_ : positions_->initial_alignment();
   }
   SolveLimits limits;
   limits.max_iterations = config_.max_iterations;
@@ -77,7 +78,7 @@ bool Mapper::solve_whole(const Cancelled& cancelled) {
   if (solve.outcome.cancelled) return false;
   if (loops_) loops_->weigh(solve.closure_weights);
   if (positions_) positions_->weigh(solve.position_weights);
-  enu_ = solve.enu;
+  enu_ = solve.enu || !positions_ ? solve.enu : positions_->initial_alignment();
   publish(solve);
   return true;
 }
