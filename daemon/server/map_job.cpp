@@ -42,12 +42,12 @@ Outcome make_map(const MapStore& store, const MapRequest& request, const JobProg
   const MapSnapshot snapshot =
       store.snapshot(request.query, [&progress](double share) { return progress("placing", share); });
   if (!progress("writing", 0.0)) return RpcError{error::kBusy, "nobody waits for the map any more"};
-  Result<UniqueFd> fd = cloud_memfd(snapshot.points, {.format = request.format,
+  Result<UniqueFd> fd = cloud_memfd(source_of(snapshot), {.format = request.format,
                                                       .reference = snapshot.reference,
                                                       .progress = [&](double share) { return progress("writing", share); }});
   if (!fd) return RpcError{error::kWriteFailed, fd.reason()};
   return Reply{{{"format", request.format == CloudFormat::kPcd ? "pcd" : "ply"},
-                {"points", snapshot.points.size()},
+                {"points", snapshot.size()},
                 {"keyframes", snapshot.keyframes},
                 {"truncated", snapshot.truncated},
                 {"bytes", size_of(fd->get())},

@@ -63,10 +63,16 @@ void sync_folder_of(const std::string& path) {
 
 }  // namespace
 
-Result<UniqueFd> cloud_memfd(const PointCloud& points, const CloudFileOptions& options) {
+CloudSource source_of(const PointCloud& points) {
+  return {points.size(), [&points](std::size_t begin, std::span<CloudPoint> out) {
+            std::copy_n(points.begin() + static_cast<std::ptrdiff_t>(begin), out.size(), out.begin());
+          }};
+}
+
+Result<UniqueFd> cloud_memfd(const CloudSource& source, const CloudFileOptions& options) {
   UniqueFd fd = fresh_memfd("slamd-map");
   if (!fd) return Error{"no memory file for the map"};
-  if (const Result<void> written = write_cloud(fd.get(), points, options); !written) return Error{written.reason()};
+  if (const Result<void> written = write_cloud(fd.get(), source, options); !written) return Error{written.reason()};
   return sealed(std::move(fd));
 }
 

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -25,9 +26,19 @@ struct CloudFileOptions {
   WriteProgress progress;                 // empty: not wanted
 };
 
+/// Where the points of a file come from: a snapshot of the map, or a cloud in memory.
+struct CloudSource {
+  std::size_t size = 0;
+  /// Fills out with the points from number `begin` on; asked for the same ones several times.
+  std::function<void(std::size_t begin, std::span<CloudPoint> out)> read;
+};
+
+/// Of a cloud that outlives it.
+CloudSource source_of(const PointCloud& points);
+
 /// A sealed memfd (nobody can change it any more) with the cloud as binary_compressed PCD or binary PLY, fields
 /// x y z intensity (metres, 0..255). At most 2^28 points. Any thread; asks progress every 65,536 points.
-Result<UniqueFd> cloud_memfd(const PointCloud& points, const CloudFileOptions& options = {});
+Result<UniqueFd> cloud_memfd(const CloudSource& source, const CloudFileOptions& options = {});
 
 /// The geo-reference as YAML, for a file beside the map: origin_lat_deg, origin_lon_deg, origin_ellipsoid_height_m,
 /// T_enu_map with translation_m and rotation_quat_xyzw.

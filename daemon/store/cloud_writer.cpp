@@ -39,18 +39,18 @@ std::string reference_lines(const CloudFileOptions& options, const char* prefix)
                 q.y(), q.z(), q.w());
 }
 
-std::string pcd_header(const PointCloud& points, const CloudFileOptions& options) {
+std::string pcd_header(const CloudSource& source, const CloudFileOptions& options) {
   return "# .PCD v0.7 - Point Cloud Data file format\n" + reference_lines(options, "#") +
          format("VERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH %zu\nHEIGHT 1\n"
                 "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS %zu\nDATA binary_compressed\n",
-                points.size(), points.size());
+                source.size, source.size);
 }
 
-std::string ply_header(const PointCloud& points, const CloudFileOptions& options) {
+std::string ply_header(const CloudSource& source, const CloudFileOptions& options) {
   return "ply\nformat binary_little_endian 1.0\n" + reference_lines(options, "comment") +
          format("element vertex %zu\nproperty float x\nproperty float y\nproperty float z\nproperty float intensity\n"
                 "end_header\n",
-                points.size());
+                source.size);
 }
 
 bool write_text(int fd, const std::string& text) { return write_all(fd, text.data(), text.size()); }
@@ -74,22 +74,24 @@ class PiecePacker {
 
 /// Calls write(field number, points) piece by piece until it fails or progress says no.
 template <class Write>
-Result<void> for_each_piece(const PointCloud& points, std::size_t passes, const WriteProgress& progress, Write&& write) {
-  const std::span<const CloudPoint> all{points};
-  const double total = static_cast<double>(std::max<std::size_t>(passes * points.size(), 1));
+Result<void> for_each_piece(const CloudSource& source, std::size_t passes, const WriteProgress& progress, Write&& write) {
+  PointCloud buffer(std::min(kPiecePoints, source.size));
+  const double total = static_cast<double>(std::max<std::size_t>(passes * source.size, 1));
   for (std::size_t pass = 0; pass < passes; ++pass) {
-    for (std::size_t begin = 0; begin < all.size(); begin += kPiecePoints) {
-      if (progress && !progress(static_cast<double>(pass * all.size() + begin) / total)) return kStopped;
-      if (!write(pass, all.subspan(begin, std::min(kPiecePoints, all.size() - begin)))) return kNotWritten;
+    for (std::size_t begin = 0; begin < source.size; begin += kPiecePoints) {
+      if (progress && !progress(static_cast<double>(pass * source.size + begin) / total)) return kStopped;
+      const std::span<CloudPoint> piece{buffer.data(), std::min(kPiecePoints, source.size - begin)};
+      source.read(begin, piece);
+      if (!write(pass, std::span<const CloudPoint>{piece})) return kNotWritten;
     }
   }
   return {};
 }
 
 /// Source: the PCD file format, "binary_compressed": sizes of the packed and the plain bytes, then field after field.
-Result<void> write_pcd(int fd, const PointCloud& points, const CloudFileOptions& options) {
-  const std::string header = pcd_header(points, options);
-  std::array<std::uint32_t, 2> sizes{0, static_cast<std::uint32_t>(points.size() * sizeof(CloudPoint))};
+Result<void> write_pcd(int fd, const CloudSource& source, const CloudFileOptions& options) {
+  const std::string header = pcd_header(source, options);
+  std::array<std::uint32_t, 2> sizes{0, static_cast<std::uint32_t>(source.size * sizeof(CloudPoint))};
   const auto write_sizes = [&] { return write_all(fd, reinterpret_cast<const char*>(sizes.data()), sizeof sizes); };
   if (!write_text(fd, header) || !write_sizes()) return kNotWritten;
   PiecePacker packer;
@@ -98,16 +100,16 @@ Result<void> write_pcd(int fd, const PointCloud& points, const CloudFileOptions&
     sizes[0] += static_cast<std::uint32_t>(packed.size());
     return !packed.empty() && write_all(fd, packed.data(), packed.size());
   };
-  const Result<void> written = for_each_piece(points, kFields.size(), options.progress, write_piece);
+  const Result<void> written = for_each_piece(source, kFields.size(), options.progress, write_piece);
   if (!written) return written;
   const bool placed = ::lseek(fd, static_cast<off_t>(header.size()), SEEK_SET) >= 0 && write_sizes();
   return placed ? Result<void>{} : kNotWritten;
 }
 
-Result<void> write_ply(int fd, const PointCloud& points, const CloudFileOptions& options) {
+Result<void> write_ply(int fd, const CloudSource& source, const CloudFileOptions& options) {
   static_assert(sizeof(CloudPoint) == 4 * sizeof(float));
-  if (!write_text(fd, ply_header(points, options))) return kNotWritten;
-  return for_each_piece(points, 1, options.progress, [fd](std::size_t, std::span<const CloudPoint> piece) {
+  if (!write_text(fd, ply_header(source, options))) return kNotWritten;
+  return for_each_piece(source, 1, options.progress, [fd](std::size_t, std::span<const CloudPoint> piece) {
     return write_all(fd, reinterpret_cast<const char*>(piece.data()), piece.size_bytes());
   });
 }
@@ -125,9 +127,9 @@ bool write_all(int fd, const char* bytes, std::size_t count) {
   return true;
 }
 
-Result<void> write_cloud(int fd, const PointCloud& points, const CloudFileOptions& options) {
-  if (points.size() > kMaxPoints) return Error{"more points than a file can hold"};
-  return options.format == CloudFormat::kPcd ? write_pcd(fd, points, options) : write_ply(fd, points, options);
+Result<void> write_cloud(int fd, const CloudSource& source, const CloudFileOptions& options) {
+  if (source.size > kMaxPoints) return Error{"more points than a file can hold"};
+  return options.format == CloudFormat::kPcd ? write_pcd(fd, source, options) : write_ply(fd, source, options);
 }
 
 std::string to_yaml(const GeoReference& reference) {

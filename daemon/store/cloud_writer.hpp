@@ -10,6 +10,6 @@ namespace slamd {
 bool write_all(int fd, const char* bytes, std::size_t count);
 
 /// Writes the cloud at the descriptor's position 0. The memory it takes does not depend on the number of points.
-Result<void> write_cloud(int fd, const PointCloud& points, const CloudFileOptions& options);
+Result<void> write_cloud(int fd, const CloudSource& source, const CloudFileOptions& options);
 
 }  // namespace slamd

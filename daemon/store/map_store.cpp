@@ -49,16 +49,20 @@ struct MapStore::StoredKeyframe {
 
 namespace {
 
-/// Appends what lies in the box and in a voxel not yet taken. False when max_points was reached.
-bool append(const Pose& T_map_base, const PackedPoints& points, const MapQuery& query, VoxelSet& voxels, PointCloud& out) {
-  for (const PackedPoint& point : points) {
-    const Eigen::Vector3d p_map = T_map_base * point.position().cast<double>();
+/// Adds what lies in the box and in a voxel not yet taken, until max_points.
+void choose(MapSnapshot::Part part, const MapQuery& query, VoxelSet& voxels, MapSnapshot& snapshot) {
+  const std::size_t room = query.max_points - snapshot.size();
+  std::size_t count = 0;
+  part.chosen.assign(part.points->size(), false);
+  for (std::size_t i = 0; i < part.points->size(); ++i) {
+    const Eigen::Vector3d p_map = part.T_map_base * (*part.points)[i].position().cast<double>();
     if (!contains(query.box, p_map) || !voxels.take(p_map.x(), p_map.y(), p_map.z())) continue;
-    if (out.size() == query.max_points) return false;
-    out.push_back({static_cast<float>(p_map.x()), static_cast<float>(p_map.y()), static_cast<float>(p_map.z()),
-                   static_cast<float>(point.intensity)});
+    snapshot.truncated = count == room;
+    if (snapshot.truncated) break;
+    part.chosen[i] = true;
+    ++count;
   }
-  return true;
+  snapshot.append(std::move(part), count);
 }
 
 }  // namespace
@@ -175,12 +179,16 @@ MapSnapshot MapStore::snapshot(const MapQuery& query, const Progress& progress) 
     placed.reserve(keyframes_.size());
     for (const auto& [id, keyframe] : keyframes_) placed.push_back(keyframe);
   }
-  VoxelSet voxels{query.voxel_size_m, 0};
+  std::size_t most = 0;
+  for (const StoredKeyframe& keyframe : placed) {
+    if (may_touch(query.box, keyframe.T_map_base.translation, keyframe.reach_m)) most += keyframe.points->size();
+  }
+  VoxelSet voxels{query.voxel_size_m, most};
   for (std::size_t i = 0; i < placed.size() && !snapshot.truncated; ++i) {
     if (progress && !progress(static_cast<double>(i) / static_cast<double>(placed.size()))) break;
     const auto& [T_map_base, reach_m, points] = placed[i];
     if (!may_touch(query.box, T_map_base.translation, reach_m)) continue;
-    snapshot.truncated = !append(T_map_base, *points, query, voxels, snapshot.points);
+    choose({T_map_base, points, {}, 0}, query, voxels, snapshot);
     ++snapshot.keyframes;
   }
   return snapshot;

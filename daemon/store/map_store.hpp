@@ -14,6 +14,7 @@
 #include <span>
 
 #include "daemon/store/geo_reference.hpp"
+#include "daemon/store/map_snapshot.hpp"
 #include "daemon/store/moving_points.hpp"
 #include "daemon/store/packed_point.hpp"
 #include "daemon/store/recent_voxels.hpp"
@@ -38,13 +39,6 @@ struct MapQuery {
   MapBox box;
   double voxel_size_m = 0.2;  // > 0; at most one point in each voxel of the result
   std::size_t max_points = 10'000'000;
-};
-
-struct MapSnapshot {
-  PointCloud points;          // map frame, ordered by keyframe
-  std::size_t keyframes = 0;  // that were read
-  bool truncated = false;     // max_points was reached
-  std::optional<GeoReference> reference;
 };
 
 struct MapCounts {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
+#include <cmath>
 
 namespace slamd {
 namespace {
@@ -15,33 +17,23 @@ std::uint64_t axis_number(double coordinate) {
 
 }  // namespace
 
-VoxelSet::VoxelSet(double voxel_size_m, std::size_t expected)
-    : inverse_size_{1.0 / voxel_size_m}, slots_(std::bit_ceil(std::max(2 * expected, kFewestSlots)), kFree) {}
+VoxelSet::VoxelSet(double voxel_size_m, std::size_t most)
+    : inverse_size_{1.0 / voxel_size_m}, slots_(std::bit_ceil(std::max(most / 3 * 4 + 4, kFewestSlots)), 0) {}
 
-std::uint64_t VoxelSet::key(double x, double y, double z) const {
-  return axis_number(x * inverse_size_) << 42U | axis_number(y * inverse_size_) << 21U |
-         axis_number(z * inverse_size_);
-}
-
-bool VoxelSet::insert(std::uint64_t key) {
+bool VoxelSet::take(double x, double y, double z) {
+  const std::uint64_t hash = spread(axis_number(x * inverse_size_) << 42U | axis_number(y * inverse_size_) << 21U |
+                                    axis_number(z * inverse_size_));
+  const std::uint32_t mark = static_cast<std::uint32_t>(hash >> 32U) | 1U;
   const std::size_t mask = slots_.size() - 1;
-  std::size_t slot = spread(key) & mask;
-  while (slots_[slot] != kFree) {
-    if (slots_[slot] == key) return false;
+  std::size_t slot = hash & mask;
+  while (slots_[slot] != 0) {
+    if (slots_[slot] == mark) return false;
     slot = (slot + 1) & mask;
   }
-  slots_[slot] = key;
-  if (++size_ * 4 > slots_.size() * 3) grow();
+  slots_[slot] = mark;
+  ++size_;
+  assert(size_ < slots_.size());
   return true;
-}
-
-void VoxelSet::grow() {
-  std::vector<std::uint64_t> old(slots_.size() * 2, kFree);
-  old.swap(slots_);
-  size_ = 0;
-  for (const std::uint64_t key : old) {
-    if (key != kFree) insert(key);
-  }
 }
 
 }  // namespace slamd

@@ -50,7 +50,7 @@ std::string content_of(const fs::path& path) {
 
 TEST_F(CloudFile, PcdHoldsTheFieldsAndTheNumberOfPoints) {
   const PointCloud cloud{{1, 2, 3, 4}, {5, 6, 7, 8}, {9, 10, 11, 12}};
-  const Result<UniqueFd> fd = cloud_memfd(cloud);
+  const Result<UniqueFd> fd = cloud_memfd(source_of(cloud));
   ASSERT_TRUE(fd) << fd.reason();
   const std::string text = content_of(fd->get());
   EXPECT_NE(text.find("FIELDS x y z intensity"), std::string::npos);
@@ -60,7 +60,7 @@ TEST_F(CloudFile, PcdHoldsTheFieldsAndTheNumberOfPoints) {
 
 TEST_F(CloudFile, PlyHoldsTheFloatsAsTheyAre) {
   const PointCloud cloud{{1, 2, 3, 4}, {5, 6, 7, 8}};
-  const Result<UniqueFd> fd = cloud_memfd(cloud, {.format = CloudFormat::kPly, .reference = {}, .progress = {}});
+  const Result<UniqueFd> fd = cloud_memfd(source_of(cloud), {.format = CloudFormat::kPly, .reference = {}, .progress = {}});
   ASSERT_TRUE(fd) << fd.reason();
   const std::string text = content_of(fd->get());
   EXPECT_NE(text.find("element vertex 2"), std::string::npos);
@@ -69,10 +69,11 @@ TEST_F(CloudFile, PlyHoldsTheFloatsAsTheyAre) {
 }
 
 TEST_F(CloudFile, AnEmptyMapIsAFileWithoutPoints) {
-  const Result<UniqueFd> pcd = cloud_memfd({});
+  const PointCloud empty;
+  const Result<UniqueFd> pcd = cloud_memfd(source_of(empty));
   ASSERT_TRUE(pcd);
   EXPECT_NE(content_of(pcd->get()).find("POINTS 0"), std::string::npos);
-  const Result<UniqueFd> ply = cloud_memfd({}, {.format = CloudFormat::kPly, .reference = {}, .progress = {}});
+  const Result<UniqueFd> ply = cloud_memfd(source_of(empty), {.format = CloudFormat::kPly, .reference = {}, .progress = {}});
   ASSERT_TRUE(ply);
   EXPECT_NE(content_of(ply->get()).find("element vertex 0"), std::string::npos);
 }
@@ -94,7 +95,7 @@ TEST_F(CloudFile, PcdOfManyPiecesIsOneStreamFieldAfterField) {
   std::mt19937 random{3};
   std::uniform_real_distribution<float> coordinate{-100.0F, 100.0F};
   for (CloudPoint& point : cloud) point = {coordinate(random), coordinate(random), 1.5F, coordinate(random)};
-  const Result<UniqueFd> fd = cloud_memfd(cloud);
+  const Result<UniqueFd> fd = cloud_memfd(source_of(cloud));
   ASSERT_TRUE(fd) << fd.reason();
   const std::vector<float> floats = floats_of(content_of(fd->get()));
   ASSERT_EQ(floats.size(), 4 * cloud.size());
@@ -107,10 +108,11 @@ TEST_F(CloudFile, PcdOfManyPiecesIsOneStreamFieldAfterField) {
 
 TEST_F(CloudFile, TheHeaderTellsWhereTheMapLiesOnTheEarth) {
   GeoReference reference{.latitude_deg = 48.1234567, .longitude_deg = -11.5, .ellipsoid_height_m = 560.25, .T_enu_map = {}};
+  const PointCloud cloud{{1, 2, 3, 4}};
   reference.T_enu_map.translation = {1.5, 2.5, -3.5};
   for (const CloudFormat format : {CloudFormat::kPcd, CloudFormat::kPly}) {
     const Result<UniqueFd> fd =
-        cloud_memfd({{1, 2, 3, 4}}, {.format = format, .reference = reference, .progress = {}});
+        cloud_memfd(source_of(cloud), {.format = format, .reference = reference, .progress = {}});
     ASSERT_TRUE(fd);
     const std::string text = content_of(fd->get());
     EXPECT_NE(text.find(" enu_origin_lat_lon_height 48.123456700 -11.500000000 560.2500\n"), std::string::npos);
@@ -120,9 +122,10 @@ TEST_F(CloudFile, TheHeaderTellsWhereTheMapLiesOnTheEarth) {
 }
 
 TEST_F(CloudFile, AWriteThatIsToldToStopLeavesNothing) {
+  const PointCloud cloud(1'000'000);
   int asked = 0;
   const WriteProgress stop_soon = [&asked](double) { return ++asked < 3; };
-  EXPECT_FALSE(cloud_memfd(PointCloud(1'000'000), {.format = CloudFormat::kPcd, .reference = {}, .progress = stop_soon}));
+  EXPECT_FALSE(cloud_memfd(source_of(cloud), {.format = CloudFormat::kPcd, .reference = {}, .progress = stop_soon}));
   EXPECT_EQ(asked, 3);
   const Result<UniqueFd> large = text_memfd(std::string(5'000'000, 'x'));
   asked = 0;

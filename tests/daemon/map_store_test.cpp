@@ -31,11 +31,11 @@ TEST(MapStore, PlacesPointsWhereTheKeyframeLiesInMap) {
   T_map_odom.rotation = Eigen::AngleAxisd{M_PI / 2, Eigen::Vector3d::UnitZ()};
   store.add(keyframe, T_map_odom);
   const MapSnapshot snapshot = store.snapshot({});
-  ASSERT_EQ(snapshot.points.size(), 1U);
-  EXPECT_NEAR(snapshot.points[0].x, 0.0, 0.003);
-  EXPECT_NEAR(snapshot.points[0].y, 11.0, 0.003);
-  EXPECT_NEAR(snapshot.points[0].z, 0.5, 0.003);
-  EXPECT_EQ(snapshot.points[0].intensity, 42.0F);
+  ASSERT_EQ(snapshot.points().size(), 1U);
+  EXPECT_NEAR(snapshot.points()[0].x, 0.0, 0.003);
+  EXPECT_NEAR(snapshot.points()[0].y, 11.0, 0.003);
+  EXPECT_NEAR(snapshot.points()[0].z, 0.5, 0.003);
+  EXPECT_EQ(snapshot.points()[0].intensity, 42.0F);
 }
 
 TEST(MapStore, MovesKeyframesThatWereCorrected) {
@@ -47,16 +47,16 @@ TEST(MapStore, MovesKeyframesThatWereCorrected) {
   const KeyframePose unknown{.id = 99, .T_map_base = {}};
   store.move(std::array{moved, unknown});
   const MapSnapshot snapshot = store.snapshot({});
-  ASSERT_EQ(snapshot.points.size(), 2U);
-  EXPECT_NEAR(snapshot.points[0].z, 0.0, 0.003);
-  EXPECT_NEAR(snapshot.points[1].z, 7.0, 0.003);
+  ASSERT_EQ(snapshot.points().size(), 2U);
+  EXPECT_NEAR(snapshot.points()[0].z, 0.0, 0.003);
+  EXPECT_NEAR(snapshot.points()[1].z, 7.0, 0.003);
 }
 
 TEST(MapStore, KeepsOnePointInEachVoxelOfTheQuery) {
   MapStore store;
   for (std::uint64_t id = 0; id < 4; ++id) store.add(keyframe_with(id, random_points(20'000, 1)));
   const MapSnapshot coarse = store.snapshot({.box = {}, .voxel_size_m = 10.0});
-  EXPECT_EQ(coarse.points.size(), 1000U) << "10 x 10 x 10 voxels, twenty points in each on average";
+  EXPECT_EQ(coarse.points().size(), 1000U) << "10 x 10 x 10 voxels, twenty points in each on average";
   EXPECT_EQ(coarse.keyframes, 4U);
 }
 
@@ -67,15 +67,16 @@ TEST(MapStore, GivesOnlyWhatLiesInTheBox) {
   MapQuery query{.box = {.min_m = {0, 0, -100}, .max_m = {50, 50, 100}}, .voxel_size_m = 0.01};
   const MapSnapshot snapshot = store.snapshot(query);
   EXPECT_EQ(snapshot.keyframes, 1U) << "the far keyframe is not even looked at";
-  EXPECT_GT(snapshot.points.size(), 1000U);
-  for (const CloudPoint& point : snapshot.points) ASSERT_TRUE(point.x >= 0 && point.y >= 0);
+  EXPECT_GT(snapshot.points().size(), 1000U);
+  const PointCloud found = snapshot.points();
+  for (const CloudPoint& point : found) ASSERT_TRUE(point.x >= 0 && point.y >= 0);
 }
 
 TEST(MapStore, StopsAtMaxPointsAndSaysSo) {
   MapStore store;
   store.add(keyframe_with(0, random_points(5000, 4)));
   const MapSnapshot snapshot = store.snapshot({.box = {}, .voxel_size_m = 0.01, .max_points = 77});
-  EXPECT_EQ(snapshot.points.size(), 77U);
+  EXPECT_EQ(snapshot.points().size(), 77U);
   EXPECT_TRUE(snapshot.truncated);
 }
 
@@ -90,8 +91,8 @@ TEST(MapStore, ForgetsTheOldestKeyframesBeyondItsBudget) {
   EXPECT_EQ(counts.evicted_keyframes + counts.keyframes, 25U);
   EXPECT_GE(counts.keyframes, 10U);
   const MapSnapshot snapshot = store.snapshot({.box = {}, .voxel_size_m = 0.01});
-  EXPECT_EQ(snapshot.points.size(), counts.points);
-  EXPECT_GT(snapshot.points.back().x, 150.0F) << "the newest keyframe is there";
+  EXPECT_EQ(snapshot.points().size(), counts.points);
+  EXPECT_GT(snapshot.points().back().x, 150.0F) << "the newest keyframe is there";
 }
 
 TEST(MapStore, CountsAndDropsWhatCannotBeAPoint) {
@@ -99,7 +100,7 @@ TEST(MapStore, CountsAndDropsWhatCannotBeAPoint) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   store.add(keyframe_with(0, {{nan, 0, 0, 1}, {0, 1e30F, 0, 1}, {161, 0, 0, 1}, {1, 2, 3, nan}}));
   EXPECT_EQ(store.counts().rejected_points, 3U);
-  ASSERT_EQ(store.snapshot({}).points.size(), 1U);
+  ASSERT_EQ(store.snapshot({}).points().size(), 1U);
   store.add(keyframe_with(0, {{1, 1, 1, 1}}));
   store.add(keyframe_with(1, {{1, 1, 1, 1}}, {std::nan(""), 0, 0}));
   EXPECT_EQ(store.counts().rejected_keyframes, 2U);

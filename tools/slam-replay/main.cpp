@@ -42,9 +42,9 @@ bool write_text(const std::string& text, const std::string& path) {
 
 bool write_map(replay::Replay& replay, const std::string& path, std::uint64_t& points) {
   const MapSnapshot snapshot = replay.map().snapshot({});
-  points = snapshot.points.size();
-  if (snapshot.points.empty()) return true;
-  const Result<UniqueFd> file = cloud_memfd(snapshot.points, {.format = CloudFormat::kPcd, .reference = snapshot.reference, .progress = {}});
+  points = snapshot.size();
+  if (snapshot.size() == 0) return true;
+  const Result<UniqueFd> file = cloud_memfd(source_of(snapshot), {.format = CloudFormat::kPcd, .reference = snapshot.reference, .progress = {}});
   return file && save_atomically(file->get(), path);
 }
 
