@@ -34,6 +34,10 @@ export class World {
 
   /** Moves time to `target` and calls everything that is due on the way. */
   advanceTo(target) {
+    if (target < this.nextAt) {
+      if (target > this.now) this.now = target;
+      return;
+    }
     while (this.#events.length && this.#events[0].at <= target) {
       const event = this.#events.shift();
       this.now = Math.max(this.now, event.at);
