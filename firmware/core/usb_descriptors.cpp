@@ -18,7 +18,7 @@ constexpr std::array<std::uint8_t, 18> kDeviceDescriptor{
     0xEF, 0x02, 0x01,         // interfaces are grouped by association descriptors
     64,                       // packet of endpoint 0
     low(kImuUsbVendor), high(kImuUsbVendor), low(kImuUsbProduct), high(kImuUsbProduct),
-    kFirmwareVersion[1], kFirmwareVersion[0],
+    kFirmwareVersion[1] << 4 | kFirmwareVersion[2], kFirmwareVersion[0],
     1, 2, 3,  // strings: manufacturer, product, serial number
     1};
 
@@ -37,7 +37,7 @@ constexpr std::array<std::uint8_t, 84> kConfigurationDescriptor{
     7, kEndpoint, kInEndpoint, kBulk, kUsbPacketBytes, 0, 0,
     // Reset interface, the one that picotool knows: no endpoints
     9, kInterface, kResetInterface, 0, 0, kImuResetClass, kImuResetSubclass, kImuResetProtocol, 5};
-static_assert(kFirmwareVersion[0] < 10 && kFirmwareVersion[1] < 10);  // the release is in decimal digits
+static_assert(kFirmwareVersion[0] < 10 && kFirmwareVersion[1] < 10 && kFirmwareVersion[2] < 10);  // one digit each
 static_assert(kDeviceDescriptor[0] == kDeviceDescriptor.size());
 static_assert(kConfigurationDescriptor[2] == kConfigurationDescriptor.size());
 

@@ -57,7 +57,7 @@ TEST_F(UsbControlTest, DeviceDescriptorNamesTheBoard) {
   EXPECT_EQ(device[7], 64);
   EXPECT_EQ(device[8] | device[9] << 8, 0x1209);
   EXPECT_EQ(device[10] | device[11] << 8, 0x0001);
-  EXPECT_EQ(device[12] | device[13] << 8, 0x0001) << "release 0.1";
+  EXPECT_EQ(device[12] | device[13] << 8, 0x0010) << "release 0.1.0";
   EXPECT_EQ(text(device[14]), "slamd");
   EXPECT_EQ(text(device[15]), "slamd IMU");
   EXPECT_EQ(text(device[16]), "E6610C0B2A00FF9D");

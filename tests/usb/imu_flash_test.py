@@ -135,7 +135,7 @@ class NormalTest(FlashTest):
         self.board(running=False, port="3")
         lines = self.run_flash("--list").stdout.splitlines()
         self.assertEqual(len(lines), 2)
-        self.assertRegex(lines[0], r"1-1 .*slamd IMU 1\.2 .*AAAA")
+        self.assertRegex(lines[0], r"1-1 .*slamd IMU 1\.0\.2 .*AAAA")
         self.assertRegex(lines[1], r"1-3 .*boot loader")
 
 

@@ -53,6 +53,12 @@ bool is_in_boot_loader(const UsbListing& board) {
   return board.id == kBootLoader;
 }
 
+std::string version_text(std::uint16_t release) {
+  std::array<char, 16> text{};
+  std::snprintf(text.data(), text.size(), "%x.%x.%x", release >> 8U, release >> 4U & 0xFU, release & 0xFU);
+  return text.data();
+}
+
 std::string describe(const UsbListing& board) {
   std::array<char, 256> text{};
   const std::string serial = board.fault != UsbFault::kNone ? name(board.fault) : board.serial;
@@ -60,8 +66,8 @@ std::string describe(const UsbListing& board) {
     std::snprintf(text.data(), text.size(), "port %-8s RP2040 boot loader  serial %s", board.port.c_str(),
                   serial.c_str());
   } else {
-    std::snprintf(text.data(), text.size(), "port %-8s slamd IMU %x.%x  serial %s", board.port.c_str(),
-                  unsigned{board.release} >> 8U, unsigned{board.release} & 0xFFU, serial.c_str());
+    std::snprintf(text.data(), text.size(), "port %-8s slamd IMU %s  serial %s", board.port.c_str(),
+                  version_text(board.release).c_str(), serial.c_str());
   }
   return text.data();
 }

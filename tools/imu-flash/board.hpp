@@ -16,6 +16,9 @@ std::vector<UsbListing> find_boards();
 
 bool is_in_boot_loader(const UsbListing& board);
 
+/// A firmware's version as its device descriptor has it: 0x0123 is "1.2.3".
+std::string version_text(std::uint16_t release);
+
 /// One line for people: port, state, version, serial number.
 std::string describe(const UsbListing& board);
 

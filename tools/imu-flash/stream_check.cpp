@@ -8,6 +8,7 @@
 #include "firmware/protocol/command.hpp"
 #include "firmware/protocol/imu_frame.hpp"
 #include "firmware/protocol/reply.hpp"
+#include "tools/imu-flash/board.hpp"
 
 namespace slamd::flash {
 namespace {
@@ -56,13 +57,10 @@ Heard listen(ByteSource& source, Duration span, Duration patience) {
 }
 
 std::string version_of(const UsbListing& board, const std::optional<Identity>& identity) {
+  if (!identity) return version_text(board.release);
   char text[32];
-  if (identity) {
-    std::snprintf(text, sizeof text, "%u.%u.%u", unsigned{identity->version[0]}, unsigned{identity->version[1]},
-                  unsigned{identity->version[2]});
-  } else {
-    std::snprintf(text, sizeof text, "%x.%x", unsigned{board.release} >> 8U, unsigned{board.release} & 0xFFU);
-  }
+  std::snprintf(text, sizeof text, "%u.%u.%u", unsigned{identity->version[0]}, unsigned{identity->version[1]},
+                unsigned{identity->version[2]});
   return text;
 }
 
