@@ -10,6 +10,7 @@ namespace {
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kLowestLaser_rad = -15.0F * kPi / 180.0F;
 constexpr float kRowPitch_rad = 2.0F * kPi / 180.0F;
+constexpr float kSteepestSine = 0.30F;
 constexpr float kNearest_m = 1.5F;
 constexpr float kFarthest_m = 45.0F;   // beyond it an error of 0.3 degrees is as large as what is asked about
 constexpr float kNearRay = 0.006F;     // distance from the ray to the point by its range: 0.35 degrees
@@ -23,9 +24,20 @@ constexpr int kSideColumns = 4;
 
 int wrapped(int column, int columns) { return column < 0 ? column + columns : column >= columns ? column - columns : column; }
 
+/// atan2 to some 2e-4 rad, which is a thirtieth of a column: every point of a scan asks for it.
+float quick_atan2(float y, float x) {
+  const float ax = std::abs(x), ay = std::abs(y);
+  const float a = std::min(ax, ay) / std::max(std::max(ax, ay), 1e-9F);
+  const float s = a * a;
+  float angle = ((-0.0464964749F * s + 0.15931422F) * s - 0.327622764F) * s * a + a;
+  if (ay > ax) angle = 0.5F * kPi - angle;
+  if (x < 0.0F) angle = kPi - angle;
+  return y < 0.0F ? -angle : angle;
+}
+
 int column_of(const Eigen::Vector3f& direction, int columns) {
-  const float turn = std::atan2(direction.y(), direction.x()) / (2.0F * kPi) + 0.5F;
-  return std::min(static_cast<int>(turn * static_cast<float>(columns)), columns - 1);
+  const float turn = quick_atan2(direction.y(), direction.x()) / (2.0F * kPi) + 0.5F;
+  return std::clamp(static_cast<int>(turn * static_cast<float>(columns)), 0, columns - 1);
 }
 
 }  // namespace
@@ -42,7 +54,9 @@ Eigen::Vector3f RayImage::end_of(Cell cell) const {
 }
 
 std::optional<RayImage::Cell> RayImage::cell_of(const Eigen::Vector3f& from_sensor) const {
-  const float elevation = std::atan2(from_sensor.z(), std::hypot(from_sensor.x(), from_sensor.y()));
+  const float sine = from_sensor.z() / std::max(from_sensor.norm(), 1e-3F);
+  if (std::abs(sine) > kSteepestSine) return std::nullopt;
+  const float elevation = sine + sine * sine * sine / 6.0F;  // asin to 2e-4 rad in this range
   const int row = static_cast<int>(std::lround((elevation - kLowestLaser_rad) / kRowPitch_rad));
   if (row < 0 || row >= kRows) return std::nullopt;
   return Cell{row, column_of(from_sensor, kColumns)};
