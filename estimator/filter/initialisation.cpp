@@ -60,40 +60,51 @@ ErrorCovariance first_covariance(double velocity, double gyro_bias) {
 
 }  // namespace
 
-void Initialisation::clear() {
-  gyro_ = accel_ = {};
-  count_ = 0.0;
+void Initialisation::add(const ImuSample& sample) {
+  if (count_ > 0 && sample.time <= reading(count_ - 1).time) clear();
+  const auto drop_first = [this] {
+    first_ = (first_ + 1) % kCapacity;
+    --count_;
+  };
+  if (count_ == kCapacity) drop_first();
+  window_[(first_ + count_) % kCapacity] = {sample.time, sample.gyro_rads, sample.accel_mps2};
+  ++count_;
+  while (count_ > 1 && sample.time - reading(1).time >= from_seconds(config_.rest_s)) drop_first();
 }
 
-void Initialisation::add(const ImuSample& sample) {
-  if (count_ == 0.0) first_ = sample.time;
-  last_ = sample.time;
-  count_ += 1.0;
-  gyro_.sum += sample.gyro_rads;
-  gyro_.square += sample.gyro_rads.cwiseAbs2();
-  accel_.sum += sample.accel_mps2;
-  accel_.square += sample.accel_mps2.cwiseAbs2();
+Initialisation::Moments Initialisation::moments(Eigen::Vector3d Reading::*value) const {
+  Moments out;
+  const double share = 1.0 / static_cast<double>(count_);
+  for (std::size_t i = 0; i < count_; ++i) out.mean += share * (reading(i).*value);
+  for (std::size_t i = 0; i < count_; ++i) out.deviation += share * (reading(i).*value - out.mean).cwiseAbs2();
+  out.deviation = out.deviation.cwiseSqrt();
+  return out;
+}
+
+bool Initialisation::is_still(const Moments& gyro, const Moments& accel) const {
+  return count_ > 1 && std::abs(accel.mean.norm() - kGravity_mps2) < kMostForceError_mps2 &&
+         gyro.deviation.maxCoeff() < config_.still_gyro_std_rads && gyro.mean.norm() < config_.still_gyro_mean_rads &&
+         accel.deviation.maxCoeff() < config_.still_accel_std_mps2;
 }
 
 bool Initialisation::is_still() const {
-  if (count_ < 2.0) return false;
-  return std::abs(accel_.mean(count_).norm() - kGravity_mps2) < kMostForceError_mps2 &&
-         gyro_.deviation(count_).maxCoeff() < config_.still_gyro_std_rads &&
-         gyro_.mean(count_).norm() < config_.still_gyro_mean_rads &&
-         accel_.deviation(count_).maxCoeff() < config_.still_accel_std_mps2;
+  return count_ > 1 && is_still(moments(&Reading::gyro_rads), moments(&Reading::accel_mps2));
 }
 
 bool Initialisation::is_ready() const {
-  if (count_ == 0.0 || accel_.mean(count_).norm() < kLeastForce_mps2) return false;
-  const double length_s = to_seconds(last_ - first_);
-  return length_s >= config_.rest_s || (length_s >= config_.min_s && !is_still());
+  if (count_ == 0 || moments(&Reading::accel_mps2).mean.norm() < kLeastForce_mps2) return false;
+  const double length_s = to_seconds(length());
+  if (length_s >= config_.rest_s || count_ == kCapacity) return true;
+  return length_s >= config_.min_s && !is_still();
 }
 
 InitialState Initialisation::state(HostTime time, const Pose& T_base_imu, const Pose& T_imu_lidar,
                                    bool with_extrinsic) const {
   InitialState out;
-  out.at_rest = is_still();
-  const Eigen::Vector3d force = accel_.mean(count_);
+  const Moments gyro = moments(&Reading::gyro_rads);
+  const Moments accel = moments(&Reading::accel_mps2);
+  out.at_rest = is_still(gyro, accel);
+  const Eigen::Vector3d& force = accel.mean;
   out.filter.time = time;
   InertialState& state = out.filter.state;
   state = level_state(attitude_from_up(force, T_base_imu), T_base_imu, T_imu_lidar);
@@ -101,7 +112,7 @@ InitialState Initialisation::state(HostTime time, const Pose& T_base_imu, const 
       out.at_rest ? first_covariance(config_.rest_velocity_mps, config_.rest_gyro_bias_rads)
                   : first_covariance(config_.moving_velocity_mps, config_.moving_gyro_bias_rads);
   if (out.at_rest) {
-    state.gyro_bias = gyro_.mean(count_);
+    state.gyro_bias = gyro.mean;
     state.accel_bias = force - kGravity_mps2 * force.normalized();
   }
   couple_gravity(state, config_.accel_bias_mps2,

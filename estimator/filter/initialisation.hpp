@@ -1,5 +1,7 @@
 #pragma once
-// The filter's first state from the first moments of IMU data, at rest or moving. No map, no scan.
+// The filter's first state from the moments of IMU data before it, at rest or moving. No map, no scan.
+
+#include <array>
 
 #include "estimator/filter/inertial_state.hpp"
 #include "estimator/types/imu_sample.hpp"
@@ -29,34 +31,43 @@ struct InitialState {
   bool at_rest = false;
 };
 
-/// Collects samples in order of time and says when they suffice.
+/// Watches the newest rest_s of samples and says when they suffice: what happened before does not matter.
 class Initialisation {
  public:
   explicit Initialisation(const InitialisationConfig& config) : config_{config} {}
 
+  /// Samples in order of time; one that is not younger than the newest starts anew. No allocation.
   void add(const ImuSample& sample);
-  void clear();
-  /// Stillness is broken or has lasted long enough, so that state() may be asked for. Never while the mean force is too
-  /// small to tell where down is.
+  void clear() { first_ = count_ = 0; }
+  /// Stillness is broken or has lasted for the whole window, so that state() may be asked for. Never while the mean force is
+  /// too small to tell where down is. Cost: one pass over the window, as for the next two.
   bool is_ready() const;
   bool is_still() const;
   /// The state at `time`: gravity from the mean specific force, gyro bias from the mean rate when at rest. Accelerometer
-  /// bias and gravity direction are correlated as the measurement demands.
+  /// bias and gravity direction are correlated as the measurement demands. Not on an empty window.
   InitialState state(HostTime time, const Pose& T_base_imu, const Pose& T_imu_lidar, bool with_extrinsic) const;
 
  private:
-  struct Sums {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    Eigen::Vector3d square = Eigen::Vector3d::Zero();
-    Eigen::Vector3d mean(double n) const { return sum / n; }
-    Eigen::Vector3d deviation(double n) const {
-      return (square / n - mean(n).cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
-    }
+  static constexpr std::size_t kCapacity = 1'024;  // 5 s at 200 Hz: bounds the window where rest_s does not
+
+  struct Reading {
+    HostTime time;
+    Eigen::Vector3d gyro_rads, accel_mps2;
   };
+  struct Moments {
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    Eigen::Vector3d deviation = Eigen::Vector3d::Zero();
+  };
+
+  const Reading& reading(std::size_t i) const { return window_[(first_ + i) % kCapacity]; }
+  Duration length() const { return reading(count_ - 1).time - reading(0).time; }
+  Moments moments(Eigen::Vector3d Reading::*value) const;
+  bool is_still(const Moments& gyro, const Moments& accel) const;
+
   InitialisationConfig config_;
-  Sums gyro_, accel_;
-  double count_ = 0.0;
-  HostTime first_, last_;
+  std::array<Reading, kCapacity> window_;
+  std::size_t first_ = 0;
+  std::size_t count_ = 0;
 };
 
 /// The state when there is no IMU at all: level, at rest, everything uncertain.

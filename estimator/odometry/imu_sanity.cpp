@@ -16,7 +16,7 @@ bool ImuSanity::Run::lasts(HostTime now, double seconds) const {
 }
 
 bool ImuSanity::is_suspect() const {
-  return std::max({same_gyro_.length, same_accel_.length, implausible_.length}) >= kFewSamples;
+  return std::max(same_gyro_.length, same_accel_.length) >= kFewSamples;
 }
 
 bool ImuSanity::is_plausible(const ImuSample& sample) const {
@@ -39,7 +39,8 @@ ImuFault ImuSanity::look(const ImuSample& sample) {
   same_gyro_.go_on(same_gyro, before);
   same_accel_.go_on(same_accel, before);
   same_all_.go_on(same_gyro && same_accel, before);
-  implausible_.go_on(!is_plausible(sample), before);
+  const bool implausible = !is_plausible(sample);
+  implausible_.go_on(implausible, before);
   last_ = sample;
 
   if (const Run* run = fault_at(sample.time)) {
@@ -49,9 +50,7 @@ ImuFault ImuSanity::look(const ImuSample& sample) {
   } else if (sample.time - last_fault_ >= from_seconds(config_.sane_again_s)) {
     fault_ = ImuFault::kNone;
   }
-  const bool impossible = sample.gyro_rads.cwiseAbs().maxCoeff() > config_.most_gyro_rads ||
-                          sample.accel_mps2.cwiseAbs().maxCoeff() > config_.most_accel_mps2;
-  return is_sane() && impossible ? ImuFault::kImplausible : fault_;
+  return is_sane() && implausible ? ImuFault::kImplausible : fault_;
 }
 
 }  // namespace slamd

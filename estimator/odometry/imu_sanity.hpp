@@ -12,12 +12,10 @@ namespace slamd {
 struct ImuSanityConfig {
   double frozen_s = 0.05;             // all six values the same to the bit for so long: stuck
   double frozen_part_s = 0.5;         // likewise the three of gyro or accelerometer alone
-  double most_gyro_rads = 70.0;       // one sample beyond is not used: 4000 deg/s, more than any such sensor's range
-  double most_accel_mps2 = 320.0;     // likewise: 32 g
-  double least_force_mps2 = 2.0;      // a vehicle feels less, or more than the next, only for a moment
-  double most_force_mps2 = 45.0;
-  double most_turn_rads = 8.0;        // likewise it turns no faster
-  double implausible_s = 0.25;        // and this is the moment
+  double least_force_mps2 = 2.0;      // a sample that says less than a vehicle feels is not used,
+  double most_force_mps2 = 60.0;      // nor one that says more,
+  double most_turn_rads = 8.0;        // or that it turns faster;
+  double implausible_s = 0.25;        // and an IMU that says so for so long is broken
   double sane_again_s = 0.2;          // of good samples until a broken IMU is believed again
 };
 
@@ -27,8 +25,8 @@ class ImuSanity {
  public:
   explicit ImuSanity(const ImuSanityConfig& config) : config_{config} {}
 
-  /// Looks at the next sample in order of time. kNone: it may be used. Otherwise it may not, nor may the samples since
-  /// faulty_since(): they were the fault's beginning.
+  /// Looks at the next sample in order of time. kNone: it may be used. Otherwise it may not; while not is_sane() nor may the
+  /// samples since faulty_since(): they were the fault's beginning.
   ImuFault look(const ImuSample& sample);
   /// False from the moment a fault has lasted long enough to be one, until good samples have lasted as well.
   bool is_sane() const { return fault_ == ImuFault::kNone; }

@@ -52,7 +52,7 @@ const ScanResult* LidarInertialOdometry::step() {
 
 const ScanResult* LidarInertialOdometry::fuse(const Scan& scan) {
   if (!starter_.is_done() && !start(scan)) {
-    return not_yet(scan, imu_.is_alive(scan.end) ? 0U : bit(StatusReason::kNoImu));
+    return not_yet(scan.end, imu_.is_alive(scan.end) ? 0U : bit(StatusReason::kNoImu));
   }
   if (scan.end <= filter_.time) {
     ++stats_.scans_late;
@@ -65,7 +65,7 @@ const ScanResult* LidarInertialOdometry::fuse(const Scan& scan) {
   const DeadReckoningSummary carried = carry_to(scan);
   finished(Stage::kPropagate);
   result_.update = fusion_.fuse(scan, filter_, listener_);
-  if (!is_sane(filter_)) return start_over(scan);
+  if (!is_sane(filter_)) return start_over(scan.end);
   estimate_rate(before, carried);
   fusion_.carry_drift(before, filter_);
   conclude(carried, scan.complete);
@@ -117,19 +117,19 @@ void LidarInertialOdometry::pick_keyframe(const Scan& scan) {
 }
 
 /// A state that is no number any more cannot be mended by further measurements: initialise anew.
-const ScanResult* LidarInertialOdometry::start_over(const Scan& scan) {
+const ScanResult* LidarInertialOdometry::start_over(HostTime time) {
   ++stats_.resets;
   starter_.clear();
   keyframes_.forget();
   filter_ = {};
-  filter_.time = scan.end;
-  return not_yet(scan, bit(StatusReason::kReset));
+  filter_.time = time;
+  return not_yet(time, bit(StatusReason::kReset));
 }
 
-const ScanResult* LidarInertialOdometry::not_yet(const Scan& scan, std::uint32_t reasons) {
+const ScanResult* LidarInertialOdometry::not_yet(HostTime time, std::uint32_t reasons) {
   result_ = {};
   result_.has_scan = true;
-  result_.state.time = result_.snapshot.time = scan.end;
+  result_.state.time = result_.snapshot.time = time;
   result_.state.reasons = reasons;
   return &result_;
 }
@@ -143,6 +143,7 @@ const ScanResult* LidarInertialOdometry::pass_time() {
   result_ = {};
   const DeadReckoningSummary carried =
       dead_reckoning_.advance(imu_.samples(), now_ - queue_.latency(), filter_, [](const FilterSnapshot&) {});
+  if (!is_sane(filter_)) return start_over(filter_.time);
   conclude(carried, true);
   return &result_;
 }

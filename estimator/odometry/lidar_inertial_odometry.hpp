@@ -73,8 +73,8 @@ class LidarInertialOdometry {
   DeadReckoningSummary carry_to(const Scan& scan);
   void estimate_rate(const FilterSnapshot& before, const DeadReckoningSummary& carried);
   void pick_keyframe(const Scan& scan);
-  const ScanResult* start_over(const Scan& scan);
-  const ScanResult* not_yet(const Scan& scan, std::uint32_t reasons);
+  const ScanResult* start_over(HostTime time);
+  const ScanResult* not_yet(HostTime time, std::uint32_t reasons);
   bool is_silent() const;
   const ScanResult* pass_time();
   void conclude(const DeadReckoningSummary& carried, bool complete_scan);

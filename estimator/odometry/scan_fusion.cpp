@@ -15,6 +15,7 @@ void ScanFusion::begin(const InitialState& first) {
   registration_.clear_map();
   relation_.break_off();
   unfused_ = 0;
+  odom_is_told_ = false;
   first.at_rest ? velocity_search_.end() : velocity_search_.begin(first.filter);
 }
 
@@ -35,17 +36,20 @@ UpdateSummary ScanFusion::fuse(const Scan& scan, FilterSnapshot& filter, StageLi
 /// What the update means for the map. While the velocity is being found scans are skewed by what is wrong with it, so each
 /// is compared with the one before only.
 void ScanFusion::absorb(const UpdateSummary& update, FilterSnapshot& filter) {
-  const bool first = map().size() == 0;
+  const bool makes_map = registration_.segments() >= config_.registration.update.min_inliers;
+  const bool first = map().size() == 0 && makes_map;
   const bool searching = velocity_search_.is_on();
   const bool overdue = velocity_search_.is_overdue(filter.time);
   if (!first) ++(update.fused ? stats_.fused : stats_.unfused);
   unfused_ = update.fused || first ? 0 : unfused_ + 1;
   if (searching && update.fused) velocity_search_.keep_velocity(update, filter);
-  const bool gives_up = unfused_ > (searching ? velocity_search_.max_unfused() : config_.max_unfused_scans);
+  const std::uint32_t patience = searching ? velocity_search_.max_unfused() : config_.max_unfused_scans;
+  const bool gives_up = makes_map && unfused_ > patience;
   restarted_ = gives_up || (overdue && !velocity_search_.is_on());
   if (restarted_) ++stats_.map_restarts;
-  if (first || gives_up || (searching && update.fused)) begin_map(first || searching, filter);
+  if (first || gives_up || (searching && update.fused)) begin_map(searching || !odom_is_told_, filter);
   if (unfused_ == 0) registration_.insert(filter.state);
+  odom_is_told_ = true;
 }
 
 /// Forgets the local map. What the pose does not know of itself from now on is the new map's own uncertainty; a map that

@@ -58,6 +58,7 @@ class ScanFusion {
   VelocitySearch velocity_search_;
   KeyframeRelation relation_;
   std::uint32_t unfused_ = 0;
+  bool odom_is_told_ = false;   // poses of this odom are out: a new map must carry their uncertainty on
   bool restarted_ = false;
   ScanFusionStats stats_;
 };

@@ -31,6 +31,9 @@ class ScanRegistration {
   /// Adds the de-skewed segments to the map at the filter's pose.
   void insert(const InertialState& state);
 
+  /// Of the de-skewed scan.
+  std::size_t segments() const { return deskewed_.size(); }
+
   void clear_map() { map_.clear(); }
   const PlaneMap& map() const { return map_; }
 

@@ -1,6 +1,6 @@
 #pragma once
-// A start while moving: the velocity is unknown, so the first scans are skewed. Until a few of them have fused only what they
-// say of the velocity is kept. Owns no map.
+// A start while moving: the velocity is unknown, so the first scans are skewed. Until a few of them have fused only what
+// they say of the velocity is kept. Owns no map.
 
 #include "estimator/filter/ieskf.hpp"
 

@@ -95,31 +95,25 @@ TEST_F(Sanity, TwoEqualSamplesAroundAGapAreNoFault) {
 
 TEST_F(Sanity, WhatNoVehicleFeelsForLongIsAFault) {
   const auto weightless = [](ImuSample& sample) { sample.accel_mps2.z() -= 9.8; };
-  const auto crushed = [](ImuSample& sample) { sample.accel_mps2.x() += 60.0; };
+  const auto crushed = [](ImuSample& sample) { sample.accel_mps2.x() += 80.0; };
   const auto top = [](ImuSample& sample) { sample.gyro_rads.z() += 9.0; };
   for (const auto& change : std::initializer_list<std::function<void(ImuSample&)>>{weightless, crushed, top}) {
     sanity_.clear();
     run_good(1.0);
-    EXPECT_NEAR(time_to_fault(change), config_.implausible_s, 0.011);
+    ImuSample first = next();
+    change(first);
+    EXPECT_EQ(sanity_.look(first), ImuFault::kImplausible);
+    EXPECT_TRUE(sanity_.is_sane()) << "one sample condemns nobody";
+    EXPECT_NEAR(0.005 + time_to_fault(change), config_.implausible_s, 0.011);
     EXPECT_EQ(last_, ImuFault::kImplausible);
     EXPECT_EQ(sanity_.faulty_since(), good_.time);
   }
 }
 
-TEST_F(Sanity, AShortBlowIsNoFault) {
+TEST_F(Sanity, AfterAShortBlowTheNextGoodSampleIsUsed) {
   run_good(1.0);
   const auto blow = [](ImuSample& sample) { sample.accel_mps2.z() += 70.0; };
   EXPECT_EQ(time_to_fault(blow, 0.1), 0.1);
-  run_good(0.2);
-  EXPECT_EQ(last_, ImuFault::kNone);
-}
-
-TEST_F(Sanity, AValueBeyondAnySensorIsNotUsedButCondemnsNobody) {
-  run_good(0.5);
-  ImuSample wild = next();
-  wild.gyro_rads.y() = -500.0;
-  EXPECT_EQ(sanity_.look(wild), ImuFault::kImplausible);
-  EXPECT_TRUE(sanity_.is_sane());
   EXPECT_EQ(sanity_.look(next()), ImuFault::kNone);
 }
 

@@ -169,6 +169,68 @@ TEST(Initialisation, ExtrinsicIsUncertainOnlyWhenItIsEstimated) {
   for (int i = 0; i < 6; ++i) EXPECT_GT(free(I::kExtrinsicRotation + i, I::kExtrinsicRotation + i), 0.0);
 }
 
+TEST(Initialisation, ABumpLongBeforeDoesNotMatter) {
+  Random random{9};
+  const InitialisationConfig config;
+  Initialisation initialisation{config};
+  RestingImu imu;
+  imu.gyro_bias = {0.01, -0.004, 0.006};
+  const auto add = [&](int i, const Eigen::Vector3d& bump) {
+    ImuSample sample = imu.sample(i, random);
+    sample.accel_mps2 += bump;
+    sample.gyro_rads += 0.1 * bump;
+    initialisation.add(sample);
+  };
+  int i = 0;
+  for (; i < 100; ++i) add(i, Eigen::Vector3d::Zero());
+  for (; i < 120; ++i) add(i, {3.0, i % 2 == 0 ? 5.0 : -5.0, 1.0});
+  EXPECT_FALSE(initialisation.is_still());
+  EXPECT_TRUE(initialisation.is_ready()) << "moving, for all that is known";
+  const int still_since = i;
+  for (; i < still_since + static_cast<int>(config.rest_s / 0.005) - 5; ++i) add(i, Eigen::Vector3d::Zero());
+  EXPECT_FALSE(initialisation.is_still());
+  for (; i < still_since + static_cast<int>(config.rest_s / 0.005) + 5; ++i) add(i, Eigen::Vector3d::Zero());
+  EXPECT_TRUE(initialisation.is_still());
+  const InitialState initial = state_of(initialisation);
+  EXPECT_TRUE(initial.at_rest);
+  EXPECT_LT((initial.filter.state.gyro_bias - imu.gyro_bias).norm(), 0.001);
+}
+
+TEST(Initialisation, ForHoursAtRestItStaysAsSureAsAfterTheFirstWindow) {
+  Random random{10};
+  Initialisation initialisation{InitialisationConfig{}};
+  RestingImu imu;
+  for (int i = 0; i < 200'000; ++i) {
+    imu.gyro_bias.x() = 0.01 * i / 200'000.0;  // warming up: the mean since power-on would be half of it
+    initialisation.add(imu.sample(i, random));
+  }
+  ASSERT_TRUE(initialisation.is_still());
+  EXPECT_NEAR(state_of(initialisation).filter.state.gyro_bias.x(), 0.01, 0.0006);
+}
+
+TEST(Initialisation, AVeryFastImuIsReadyWhenTheWindowIsFull) {
+  Random random{11};
+  Initialisation initialisation{InitialisationConfig{}};
+  const RestingImu imu;
+  int needed = 0;
+  for (; needed < 10'000 && !initialisation.is_ready(); ++needed) {
+    ImuSample sample = imu.sample(needed, random);
+    sample.time = from_ns<HostTime>(100'000LL * needed);  // 10 kHz
+    initialisation.add(sample);
+  }
+  EXPECT_EQ(needed, 1'024);
+  EXPECT_TRUE(state_of(initialisation).at_rest);
+}
+
+TEST(Initialisation, StampsThatStepBackStartAnew) {
+  Random random{12};
+  Initialisation initialisation{InitialisationConfig{}};
+  feed(initialisation, RestingImu{}, 200, random);
+  ASSERT_TRUE(initialisation.is_ready());
+  feed(initialisation, RestingImu{}, 20, random);
+  EXPECT_FALSE(initialisation.is_ready());
+}
+
 TEST(Initialisation, ClearStartsAnew) {
   Random random{8};
   Initialisation initialisation{InitialisationConfig{}};

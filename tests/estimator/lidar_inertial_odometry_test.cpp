@@ -3,76 +3,20 @@
 #include <gtest/gtest.h>
 #include <pthread.h>
 
-#include <functional>
-#include <limits>
+#include <span>
 
-#include "tests/support/synthetic_drive.hpp"
+#include "tests/support/odometry_run.hpp"
 #include "tests/support/thread_accounting.hpp"
 
 namespace slamd {
 namespace {
 
+using test::has;
+using test::small_config;
 using test::SwingingMotion;
 using test::SyntheticDrive;
 
-bool has(const NavState& state, StatusReason reason) { return (state.reasons & bit(reason)) != 0U; }
-
-OdometryConfig small_config() {
-  OdometryConfig config;
-  config.fusion.registration.map.max_voxels = 30'000;
-  return config;
-}
-
-/// The front end on a synthetic drive: which events are lost is up to the test.
-class Odometry : public ::testing::Test {
- protected:
-  using Lost = std::function<bool(double)>;
-  static bool never(double) { return false; }
-
-  void run(double to_s, const Lost& no_imu = never, const Lost& no_lidar = never) {
-    drive_.play(
-        now_s_, to_s,
-        [&](const ImuSample& sample) {
-          if (!no_imu(SyntheticDrive::seconds(sample.time))) odometry_.add(sample);
-          take(sample.arrival);
-        },
-        [&](const LidarPacket& packet) {
-          if (!no_lidar(SyntheticDrive::seconds(packet.time))) odometry_.add(packet);
-          take(packet.arrival);
-        });
-    now_s_ = to_s;
-  }
-
-  void take(HostTime now) {
-    odometry_.advance(now);
-    if (const ScanResult* result = odometry_.step()) results_.push_back(*result);
-  }
-
-  /// Translation of truth and estimate since the first tracked scan, compared in the frame of that scan.
-  double position_error(const ScanResult& first, const ScanResult& result) const {
-    const Pose truth = drive_.T_world_base(first.state.time).inverse() * drive_.T_world_base(result.state.time);
-    const Pose estimate = first.state.T_odom_base.inverse() * result.state.T_odom_base;
-    return (truth.translation - estimate.translation).norm();
-  }
-
-  const ScanResult& first_initialised() const {
-    return *std::find_if(results_.begin(), results_.end(),
-                         [](const ScanResult& r) { return r.state.status != TrackingStatus::kInitialising; });
-  }
-
-  double worst_error(double from_s) const {
-    double worst = 0.0;
-    for (const ScanResult& result : results_)
-      if (result.has_scan && SyntheticDrive::seconds(result.state.time) >= from_s)
-        worst = std::max(worst, position_error(first_initialised(), result));
-    return worst;
-  }
-
-  SyntheticDrive drive_;
-  LidarInertialOdometry odometry_{drive_.vehicle(), small_config()};
-  std::vector<ScanResult> results_;
-  double now_s_ = 0.0;
-};
+class Odometry : public test::OdometryRun {};
 
 TEST_F(Odometry, StartsAtRestAndTracksTheDrive) {
   run(8.0);
@@ -136,70 +80,37 @@ TEST_F(Odometry, AMovingStartIsTrackedAfterAFewScans) {
   EXPECT_LT(worst_error(3.0), 0.15);
 }
 
-TEST_F(Odometry, AnImuGapOfTwoSecondsIsSaidAndSurvived) {
-  const auto gap = [](double t) { return t > 3.0 && t < 5.0; };
-  run(8.0, gap);
-  bool said = false;
-  for (const ScanResult& result : results_) {
-    const double t = SyntheticDrive::seconds(result.state.time);
-    if (t > 3.4 && t < 4.9) {
-      EXPECT_NE(result.state.status, TrackingStatus::kTracking) << "at " << t;
-      said |= has(result.state, StatusReason::kNoImu);
-    }
-  }
-  EXPECT_TRUE(said);
-  EXPECT_EQ(results_.back().state.status, TrackingStatus::kTracking) << "reasons " << results_.back().state.reasons;
-  EXPECT_LT(worst_error(1.5), 0.3);
-}
-
-TEST_F(Odometry, ALidarGapOfThreeSecondsIsSaidAndSurvived) {
-  const auto gap = [](double t) { return t > 3.0 && t < 6.0; };
-  run(9.0, never, gap);
-  bool said = false;
-  double sigma_before = 0.0, sigma_in = 0.0;
-  for (const ScanResult& result : results_) {
-    const double sigma = std::sqrt(result.state.covariance.topLeftCorner<3, 3>().trace());
-    const double t = SyntheticDrive::seconds(result.state.time);
-    if (t < 3.0) sigma_before = sigma;
-    if (!result.has_scan) {
-      said = true;
-      sigma_in = sigma;
-      EXPECT_TRUE(has(result.state, StatusReason::kNoLidar));
-      EXPECT_NE(result.state.status, TrackingStatus::kTracking);
-    }
-  }
-  EXPECT_TRUE(said);
-  EXPECT_GT(sigma_in, 2.0 * sigma_before);
-  EXPECT_EQ(results_.back().state.status, TrackingStatus::kTracking) << "reasons " << results_.back().state.reasons;
-  EXPECT_LT(worst_error(7.0), 0.3);
-}
-
-TEST_F(Odometry, WithoutAnImuTheLidarAloneTracksAndSaysSo) {
-  run(8.0, [](double) { return true; });
-  ASSERT_FALSE(results_.empty());
-  for (const ScanResult& result : results_) {
-    EXPECT_NE(result.state.status, TrackingStatus::kTracking);
-    EXPECT_TRUE(has(result.state, StatusReason::kNoImu));
-  }
-  EXPECT_NE(results_.back().state.status, TrackingStatus::kLost);
-  EXPECT_LT(worst_error(0.5), 0.3);
-}
-
-TEST_F(Odometry, WithoutScansThePoseIsNeverTrackingAndAtLastLost) {
-  run(2.0);
-  const auto gone = [](double) { return true; };
-  for (double t = 2.0; t < 120.0 && results_.back().state.status != TrackingStatus::kLost; t += 5.0) run(t, never, gone);
-  for (const ScanResult& result : results_) {
-    if (SyntheticDrive::seconds(result.state.time) < 2.3) continue;
-    ASSERT_NE(result.state.status, TrackingStatus::kTracking);
-    ASSERT_TRUE(has(result.state, StatusReason::kNoLidar));
-  }
-  EXPECT_EQ(results_.back().state.status, TrackingStatus::kLost);
-}
-
 TEST_F(Odometry, WithoutAnyEventNothingHappens) {
   odometry_.advance(SyntheticDrive::at(100.0));
   EXPECT_EQ(odometry_.step(), nullptr);
+}
+
+TEST_F(Odometry, StagesAreToldInTheOrderOfTheWork) {
+  struct Stages : StageListener {
+    void finished(Stage stage) override { told.push_back(stage); }
+    std::vector<Stage> told;
+  } listener;
+  run(2.0);
+  odometry_.set_stage_listener(&listener);
+  for (std::size_t scans = results_.size(); results_.size() < scans + 3; run(now_s_ + 0.005)) {
+    if (results_.size() == scans + 1) listener.told.clear();  // the next scan is wholly heard
+    if (results_.size() == scans + 2) break;
+  }
+  ASSERT_GE(listener.told.size(), 6U);
+  EXPECT_EQ(listener.told[0], Stage::kPropagate);
+  EXPECT_EQ(listener.told[1], Stage::kDeskew);
+  EXPECT_EQ(listener.told[2], Stage::kAssociate);
+  const auto middle = std::span{listener.told}.subspan(2, listener.told.size() - 4);
+  for (const Stage stage : middle) EXPECT_TRUE(stage == Stage::kAssociate || stage == Stage::kSolve);
+  EXPECT_EQ(middle.back(), Stage::kSolve);
+  EXPECT_EQ(listener.told[listener.told.size() - 2], Stage::kInsert);
+  EXPECT_EQ(listener.told.back(), Stage::kKeyframe);
+}
+
+TEST_F(Odometry, WithoutAListenerNobodyIsTold) {
+  odometry_.set_stage_listener(nullptr);
+  run(1.5);
+  EXPECT_EQ(results_.back().state.status, TrackingStatus::kTracking);
 }
 
 TEST_F(Odometry, SamplesOutOfOrderAreCountedAndDoNoHarm) {

@@ -116,6 +116,39 @@ TEST_F(Predictor, WithoutSamplesItCoastsWithGrowingCovariance) {
   }
 }
 
+TEST_F(Predictor, AStampFarInTheFutureNeitherMovesThePoseNorBlocksTheNextSamples) {
+  PosePredictor predictor{drive_.vehicle(), config_, {}}, clean{drive_.vehicle(), config_, {}};
+  correct(predictor, snapshot_at(3.0));
+  correct(clean, snapshot_at(3.0));
+  for (int i = 601; i <= 620; ++i) {
+    predictor.add(drive_.imu(i));
+    clean.add(drive_.imu(i));
+  }
+  ImuSample future = drive_.imu(620);
+  future.time += std::chrono::hours{1};
+  const NavState state = predictor.add(future);
+  EXPECT_LT(to_seconds(state.time - drive_.imu(620).time), 0.001);
+  EXPECT_NE(state.reasons & bit(StatusReason::kClockUnsure), 0U);
+  EXPECT_EQ(state.status, TrackingStatus::kDegraded);
+  EXPECT_LT((predictor.add(drive_.imu(621)).T_odom_base.translation -
+             clean.add(drive_.imu(621)).T_odom_base.translation).norm(), 1e-5);
+}
+
+TEST_F(Predictor, AStuckImuIsSaidAtOnceAndCoasted) {
+  PosePredictor predictor{drive_.vehicle(), config_, {}};
+  correct(predictor, snapshot_at(3.0));
+  NavState state;
+  for (int i = 601; i <= 640; ++i) {
+    ImuSample stuck = drive_.imu(601);
+    stuck.time = drive_.imu(i).time;
+    stuck.arrival = drive_.imu(i).arrival;
+    state = predictor.add(stuck);
+    EXPECT_EQ(state.time, stuck.time);
+  }
+  EXPECT_EQ(state.status, TrackingStatus::kDegraded);
+  EXPECT_NE(state.reasons & bit(StatusReason::kNoImu), 0U);
+}
+
 TEST_F(Predictor, ASampleOutOfOrderChangesNothing) {
   PosePredictor predictor{drive_.vehicle(), config_, {}};
   correct(predictor, snapshot_at(3.0));
