@@ -29,7 +29,7 @@ test('identity: unique id, version, sensor, ranges', () => {
   assert.deepEqual([identity.rateHz, identity.gyroDps, identity.accelG], [208, 500, 4]);
   assert.equal(identity.chipRevision, 1);
   const release = port.read.device.release;
-  assert.deepEqual([release >> 8, release & 255], identity.version.slice(0, 2), 'bcdDevice is the version');
+  assert.deepEqual([release >> 8, (release >> 4) & 15, release & 15], identity.version, 'bcdDevice is the version');
   board.faults.assertNone();
 });
 
