@@ -8,14 +8,35 @@
 
 namespace slamd {
 
-Result<std::unique_ptr<App>> App::open(const Config& config, const std::string& version) {
+Result<std::unique_ptr<App>> App::open(const Config& config, const std::string& version,
+                                       const std::string& record_folder) {
   Result<PosePublisher> publisher = PosePublisher::create();
   if (!publisher) return Error{publisher.reason()};
   auto streams = std::make_unique<Streams>();
   Result<LidarThread> lidar = LidarThread::open(config.lidar, config.vlp16, *streams);
   if (!lidar) return Error{lidar.reason()};
-  return std::unique_ptr<App>{
+  std::unique_ptr<App> app{
       new App{config, version, std::move(publisher).value(), std::move(streams), std::move(lidar).value()}};
+  if (record_folder.empty()) return app;
+  Result<std::unique_ptr<Recorder>> recorder = Recorder::open(record_folder, print_config(config));
+  if (!recorder) return Error{recorder.reason()};
+  app->record(std::move(recorder).value());
+  return app;
+}
+
+void App::record(std::unique_ptr<Recorder> recorder) {
+  recorder_ = std::move(recorder);
+  lidar_.record_to(recorder_->lidar());
+  imu_.record_to(recorder_->imu());
+  gnss_.record_to(recorder_->gnss());
+  add_ring("record_lidar", [this] { return recorder_->lidar().counts(); });
+  add_ring("record_imu", [this] { return recorder_->imu().counts(); });
+  add_ring("record_gnss", [this] { return recorder_->gnss().counts(); });
+  supervisor_.watch_source("recording", [this] {
+    SourceHealth health;
+    health.state = recorder_->failed() ? "failed" : "healthy";
+    return health;
+  });
 }
 
 App::App(const Config& config, const std::string& version, PosePublisher publisher, std::unique_ptr<Streams> streams,
@@ -42,6 +63,7 @@ App::App(const Config& config, const std::string& version, PosePublisher publish
 Result<void> App::start() {
   const RealTimeConfig& rt = config_.real_time;
   const Result<void> memory_locked = rt.lock_memory ? lock_memory() : Result<void>{};
+  if (recorder_) start_thread({"slamd-recorder"}, *recorder_);
   start_thread({"slamd-mapping"}, mapping_);
   start_thread({"slamd-estimator", rt.estimator_priority, rt.estimator_cpu}, estimator_);
   start_thread({"slamd-gnss", rt.gnss_priority, rt.driver_cpu}, gnss_);
@@ -103,6 +125,7 @@ void App::register_probes() {
   health_.add_stage("scan_end_to_posterior", estimator_.scan_latency());
   health_.add_stage("imu_to_page", imu_.imu_to_page());
   health_.add_count("scans", [this] { return estimator_.scans(); });
+  health_.add_count("late_events", [this] { return estimator_.late_events(); });
   health_.add_count("keyframes", [this] { return estimator_.keyframes(); });
   health_.add_count("gnss_fixes", [this] { return mapping_.fixes(); });
   health_.add_count("log_lines_lost", [this] { return log_.lost(); });

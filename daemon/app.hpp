@@ -16,8 +16,10 @@ namespace slamd {
 /// One thread calls all methods.
 class App {
  public:
-  /// Takes all memory that the configuration asks for and binds the LiDAR's ports; fails when it cannot.
-  static Result<std::unique_ptr<App>> open(const Config& config, const std::string& version);
+  /// Takes all memory that the configuration asks for and binds the LiDAR's ports; fails when it cannot. With a folder
+  /// all that the sensors send is recorded there.
+  static Result<std::unique_ptr<App>> open(const Config& config, const std::string& version,
+                                           const std::string& record_folder = "");
   ~App() { stop(); }
 
   /// Starts every thread, consumers before producers, then the server. On failure nothing is left running.
@@ -40,6 +42,7 @@ class App {
   template <class Part>
   void start_thread(const ThreadSchedule& schedule, Part& part);
   void tell_refusals(const Result<void>& memory_locked);
+  void record(std::unique_ptr<Recorder> recorder);
   void register_probes();
   void add_source(const std::string& name, const HealthBoard::SourceProbe& probe);
   void add_ring(const std::string& name, const HealthBoard::RingProbe& probe);
@@ -53,6 +56,7 @@ class App {
   LidarThread lidar_;
   ImuThread imu_;
   GnssThread gnss_;
+  std::unique_ptr<Recorder> recorder_;  // null: no recording
   EstimatorThread estimator_;
   MappingThread mapping_;
   HealthBoard health_;

@@ -19,6 +19,7 @@ constexpr int kExitConfig = 2;   // bad command line or configuration
 struct Arguments {
   std::string config_path;
   std::vector<std::string> overrides;
+  std::string record_folder;
   bool check = false;
   bool print_config = false;
 };
@@ -34,9 +35,9 @@ sigset_t block_stop_signals() {
   return signals;
 }
 
-int run(const slamd::Config& config) {
+int run(const slamd::Config& config, const std::string& record_folder) {
   const sigset_t stop_signals = block_stop_signals();
-  slamd::Result<std::unique_ptr<slamd::App>> app = slamd::App::open(config, SLAMD_VERSION);
+  slamd::Result<std::unique_ptr<slamd::App>> app = slamd::App::open(config, SLAMD_VERSION, record_folder);
   const slamd::Result<void> started = app ? (*app)->start() : slamd::Error{app.reason()};
   if (!started) {
     std::cerr << "slamd: cannot start: " << started.reason() << '\n';
@@ -59,6 +60,8 @@ int main(int argc, char** argv) {
   cli.add_option("--config", arguments.config_path, "YAML file; without it the built-in defaults hold");
   cli.add_option("--set", arguments.overrides, "key=value, e.g. imu.device=/dev/ttyACM0; wins over the file")
       ->allow_extra_args(false);
+  cli.add_option("--record", arguments.record_folder,
+                 "record all that the sensors send as a drive folder, for slam-replay");
   cli.add_flag("--check", arguments.check, "read the configuration, say what is wrong with it, do not start");
   cli.add_flag("--print-config", arguments.print_config, "print the effective configuration as YAML, do not start");
   cli.set_version_flag("--version", SLAMD_VERSION);
@@ -73,5 +76,5 @@ int main(int argc, char** argv) {
   if (!config.faults.empty()) return kExitConfig;
   if (arguments.print_config) std::cout << slamd::print_config(config.value);
   if (arguments.check || arguments.print_config) return 0;
-  return run(config.value);
+  return run(config.value, arguments.record_folder);
 }

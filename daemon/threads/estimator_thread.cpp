@@ -35,6 +35,7 @@ void EstimatorThread::run(const std::stop_token& stop) {
 bool EstimatorThread::take_event(HostTime now) {
   const NextEvent event =
       merge_.next({oldest_arrival(streams_.imu), oldest_arrival(streams_.lidar), oldest_arrival(streams_.gnss)}, now);
+  late_events_.store(merge_.late(), std::memory_order_relaxed);
   switch (event.kind) {
     case NextEvent::Kind::kNone:
       return false;
@@ -76,7 +77,9 @@ void EstimatorThread::publish(const ScanResult& result) {
   posterior.snapshot = result.snapshot;
   posterior.state = result.state;
   streams_.posterior.publish();
-  streams_.path.try_push({result.state.time, result.state.T_odom_base});
+  if (result.state.status != TrackingStatus::kInitialising) {
+    streams_.path.try_push({result.state.time, result.state.T_odom_base});
+  }
   if (result.is_keyframe) push_keyframe(result);
   if (result.has_scan) scans_.fetch_add(1, std::memory_order_relaxed);
 }

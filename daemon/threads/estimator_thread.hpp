@@ -30,6 +30,8 @@ class EstimatorThread {
   /// Any thread.
   std::uint64_t scans() const { return scans_.load(std::memory_order_relaxed); }
   std::uint64_t keyframes() const { return keyframe_count_.load(std::memory_order_relaxed); }
+  /// Events out of order of arrival; with none, a replay of the recorded bytes gives the same bits.
+  std::uint64_t late_events() const { return late_events_.load(std::memory_order_relaxed); }
   const Histogram& scan_time() const { return scan_time_; }        // one step of the odometry
   const Histogram& scan_latency() const { return scan_latency_; }  // end of the scan to its posterior
 
@@ -47,6 +49,7 @@ class EstimatorThread {
   Histogram scan_latency_;
   std::atomic<std::uint64_t> scans_{0};
   std::atomic<std::uint64_t> keyframe_count_{0};
+  std::atomic<std::uint64_t> late_events_{0};
 };
 
 }  // namespace slamd

@@ -1,6 +1,6 @@
 #include "daemon/threads/event_merge.hpp"
 
-#include <algorithm>
+#include <tuple>
 
 namespace slamd {
 namespace {
@@ -26,7 +26,13 @@ NextEvent EventMerge::next(const EventHeads& heads, HostTime now) {
 
   const HostTime known_until = event.kind == NextEvent::Kind::kNone ? settled : event.time;
   if (last_ && *last_ + config_.silence < known_until) event = {NextEvent::Kind::kSilence, *last_ + config_.silence};
-  if (event.kind != NextEvent::Kind::kNone) last_ = std::max(last_.value_or(event.time), event.time);
+  if (event.kind == NextEvent::Kind::kNone) return event;
+  if (last_ && std::tie(event.time, event.kind) < std::tie(*last_, last_kind_)) {
+    ++late_;
+  } else {
+    last_ = event.time;
+    last_kind_ = event.kind;
+  }
   return event;
 }
 

@@ -2,6 +2,7 @@
 // Decides the order in which the sensors' events reach the estimator, so that a live run and a replay of its recording
 // give it the same sequence. Holds no events: it is told when the oldest of each source arrived.
 
+#include <cstdint>
 #include <optional>
 
 #include "estimator/types/time.hpp"
@@ -37,9 +38,15 @@ class EventMerge {
   /// never empty before their end and the newest arrival plus hold_back as `now`.
   NextEvent next(const EventHeads& heads, HostTime now);
 
+  /// Events that came after a later one had been handed out: their thread was slower than hold_back. With none of them the
+  /// order is a function of the arrival stamps alone, and a replay has the same.
+  std::uint64_t late() const { return late_; }
+
  private:
   EventMergeConfig config_;
-  std::optional<HostTime> last_;  // of the newest event handed out
+  std::optional<HostTime> last_;  // of the newest event handed out,
+  NextEvent::Kind last_kind_ = NextEvent::Kind::kNone;  // and what it was
+  std::uint64_t late_ = 0;
 };
 
 }  // namespace slamd

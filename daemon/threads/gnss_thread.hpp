@@ -6,6 +6,7 @@
 #include <stop_token>
 
 #include "daemon/ring/latest_value.hpp"
+#include "daemon/threads/recorder.hpp"
 #include "daemon/threads/streams.hpp"
 #include "drivers/gnss/nmea_parser.hpp"
 #include "drivers/io/serial_source.hpp"
@@ -31,6 +32,8 @@ class GnssThread {
   /// streams must outlive it.
   GnssThread(const GnssThreadConfig& config, const NmeaParser::Config& nmea, Streams& streams);
 
+  /// Before run(): every read of the port goes to `tap` as well, which must outlive the thread.
+  void record_to(WireTap& tap) { tap_ = &tap; }
   /// The thread's body: returns within a tenth of a second after a stop request.
   void run(const std::stop_token& stop);
 
@@ -43,6 +46,7 @@ class GnssThread {
   SerialSource source_;
   NmeaParser parser_;
   Streams& streams_;
+  WireTap* tap_ = nullptr;
   GnssReport now_;
   LatestValue<GnssReport> report_;
 };

@@ -20,6 +20,7 @@ void ImuThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const SourceRead read = source_.read(config_.silence);
     if (!read.bytes.empty()) now_.last_bytes = read.arrival;
+    if (tap_ != nullptr) tap_->take({.payload = read.bytes, .arrival = read.arrival, .source = {}});
     take_posterior();
     parser_.feed(read.bytes, read.arrival, [this](const ImuSample& sample) { take(sample); });
     const HostTime now = host_now();

@@ -8,6 +8,7 @@
 #include "daemon/health/histogram.hpp"
 #include "daemon/ring/latest_value.hpp"
 #include "daemon/server/pose_publisher.hpp"
+#include "daemon/threads/recorder.hpp"
 #include "daemon/threads/streams.hpp"
 #include "drivers/imu/imu_frame_parser.hpp"
 #include "drivers/io/serial_source.hpp"
@@ -36,6 +37,8 @@ class ImuThread {
   ImuThread(const ImuThreadConfig& config, const ImuFrameParser::Config& frames, PosePredictor predictor,
             Streams& streams, PosePublisher& publisher);
 
+  /// Before run(): every read of the port goes to `tap` as well, which must outlive the thread.
+  void record_to(WireTap& tap) { tap_ = &tap; }
   /// The thread's body: returns within a tenth of a second after a stop request.
   void run(const std::stop_token& stop);
 
@@ -56,6 +59,7 @@ class ImuThread {
   ImuFrameParser parser_;
   PosePredictor predictor_;
   Streams& streams_;
+  WireTap* tap_ = nullptr;
   PosePublisher& publisher_;
   HostTime last_posterior_;
   HostTime last_published_;

@@ -41,6 +41,7 @@ void LidarThread::run(const std::stop_token& stop) {
 
 void LidarThread::decode(std::span<const UdpPacket> packets) {
   for (const UdpPacket& packet : packets) {
+    if (tap_ != nullptr) tap_->take(packet);
     now_.last_received = packet.arrival;
     const LidarPacket* points = decoder_.decode(packet.payload, packet.arrival);
     if (points == nullptr) continue;
@@ -51,6 +52,7 @@ void LidarThread::decode(std::span<const UdpPacket> packets) {
 
 void LidarThread::read_positions() {
   for (const UdpPacket& packet : positions_.receive(Duration{0})) {
+    if (tap_ != nullptr) tap_->take(packet);
     const Result<Vlp16Position> position = parse_vlp16_position(packet.payload);
     if (!position) continue;
     now_.pps = position->pps;

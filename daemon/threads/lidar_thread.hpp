@@ -9,6 +9,7 @@
 #include <string>
 
 #include "daemon/ring/latest_value.hpp"
+#include "daemon/threads/recorder.hpp"
 #include "daemon/threads/streams.hpp"
 #include "drivers/io/udp_source.hpp"
 #include "drivers/velodyne/vlp16_decoder.hpp"
@@ -42,6 +43,8 @@ class LidarThread {
   [[nodiscard]] static Result<LidarThread> open(const LidarThreadConfig& config, const Vlp16Config& decoder,
                                                 Streams& streams);
 
+  /// Before run(): every datagram goes to `tap` as well, which must outlive the thread.
+  void record_to(WireTap& tap) { tap_ = &tap; }
   /// The thread's body: returns within a tenth of a second after a stop request.
   void run(const std::stop_token& stop);
 
@@ -57,6 +60,7 @@ class LidarThread {
   UdpSource positions_;
   Vlp16Decoder decoder_;
   Streams& streams_;
+  WireTap* tap_ = nullptr;
   LidarReport now_;
   std::unique_ptr<LatestValue<LidarReport>> report_;
 };

@@ -52,13 +52,14 @@ NmeaParser::Config NmeaParser::Config::defaults() {
   return config;
 }
 
-std::optional<GnssFix> NmeaParser::make_fix(const std::optional<GnssEpoch>& epoch) {
+std::optional<GnssFix> NmeaParser::make_fix(const std::optional<GnssEpoch>& epoch, HostTime completed) {
   if (!epoch) return std::nullopt;
   if (!has_fix(*epoch)) {
     ++stats_.epochs_without_fix;
     return std::nullopt;
   }
   GnssFix fix;
+  fix.arrival = completed;
   place_in_time(*epoch, fix);
   fill_position(*epoch, fix);
   fill_velocity(*epoch, fix);
@@ -74,7 +75,6 @@ std::optional<GnssFix> NmeaParser::make_fix(const std::optional<GnssEpoch>& epoc
 
 /// Host time from the receiver's own time of day by its least delayed sentences: their jitter does not matter.
 void NmeaParser::place_in_time(const GnssEpoch& epoch, GnssFix& fix) {
-  fix.arrival = epoch.last_arrival;
   fix.time = clock_.update(day_.unwrap(epoch.time_of_day, epoch.first_arrival), epoch.first_arrival);
   if (const std::optional<GnssTime> utc = calendar_.place(epoch.time_of_day, epoch.date)) {
     fix.utc = *utc;

@@ -42,15 +42,16 @@ class NmeaParser {
       const std::optional<NmeaSentence> sentence = tokenizer_.take(byte);
       const std::optional<NmeaMessage> message = sentence ? decode(*sentence) : std::nullopt;
       if (!message) continue;
-      if (const auto fix = make_fix(epochs_.close_before(*message, arrival))) sink(*fix);
-      if (const auto fix = make_fix(epochs_.add(*message, arrival))) sink(*fix);
+      if (const auto fix = make_fix(epochs_.close_before(*message, arrival), arrival)) sink(*fix);
+      if (const auto fix = make_fix(epochs_.add(*message, arrival), arrival)) sink(*fix);
     }
   }
 
   /// The fix of the last epoch, at the end of a recording.
   template <class Sink>
   void finish(Sink&& sink) {
-    if (const auto fix = make_fix(epochs_.close())) sink(*fix);
+    const std::optional<GnssEpoch> last = epochs_.close();
+    if (const auto fix = make_fix(last, last ? last->last_arrival : HostTime{})) sink(*fix);
   }
 
   const GnssStats& stats() const { return stats_; }
@@ -59,7 +60,7 @@ class NmeaParser {
   const ClockSync& clock() const { return clock_; }
 
  private:
-  std::optional<GnssFix> make_fix(const std::optional<GnssEpoch>& epoch);
+  std::optional<GnssFix> make_fix(const std::optional<GnssEpoch>& epoch, HostTime completed);
   void place_in_time(const GnssEpoch& epoch, GnssFix& fix);
   bool is_stale(const GnssFix& fix);
 

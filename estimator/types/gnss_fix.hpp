@@ -11,7 +11,7 @@ enum class GnssQuality : std::uint8_t { kNone, kAutonomous, kDifferential, kRtkF
 
 struct GnssFix {
   HostTime time;     // host time of validity as far as known: arrival minus the configured latency
-  HostTime arrival;  // when the host received the sentence that completed it
+  HostTime arrival;  // when the host received the sentence by which it was known to be complete
   GnssTime utc;      // receiver's own time; valid when utc_valid
   bool utc_valid = false;
   double latitude_deg = 0.0;

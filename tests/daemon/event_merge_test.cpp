@@ -10,6 +10,7 @@ namespace slamd {
 namespace {
 
 using Kind = NextEvent::Kind;
+using namespace std::chrono_literals;
 
 HostTime at_ms(double ms) {
   return HostTime{from_seconds(ms * 1e-3)};
@@ -105,6 +106,26 @@ TEST(EventMerge, TheSequenceDoesNotDependOnHowOftenItIsAskedOrOnTheThreadsDelays
   std::erase_if(replay, is_tail);
   ASSERT_GT(live.size(), 2'000U);
   EXPECT_EQ(live, replay);
+}
+
+TEST(EventMerge, AnEventOfASlowThreadIsHandedOutAndCounted) {
+  EventMerge merge{EventMergeConfig{}};
+  EXPECT_EQ(merge.next({.imu = HostTime{100ms}, .lidar = {}, .gnss = {}}, HostTime{110ms}).kind, NextEvent::Kind::kImu);
+  const NextEvent late = merge.next({.imu = HostTime{105ms}, .lidar = HostTime{99ms}, .gnss = {}}, HostTime{110ms});
+  EXPECT_EQ(late.kind, NextEvent::Kind::kLidar);
+  EXPECT_EQ(merge.late(), 1U);
+  EXPECT_EQ(merge.next({.imu = HostTime{105ms}, .lidar = {}, .gnss = {}}, HostTime{111ms}).kind, NextEvent::Kind::kImu);
+  EXPECT_EQ(merge.late(), 1U);
+}
+
+TEST(EventMerge, AnEventOfTheInstantUpToWhichSilenceWasToldIsLate) {
+  EventMerge merge{EventMergeConfig{}};
+  ASSERT_EQ(merge.next({.imu = HostTime{100ms}, .lidar = {}, .gnss = {}}, HostTime{110ms}).kind, NextEvent::Kind::kImu);
+  const NextEvent silence = merge.next({}, HostTime{160ms});
+  ASSERT_EQ(silence.kind, NextEvent::Kind::kSilence);
+  ASSERT_EQ(silence.time, HostTime{150ms});
+  merge.next({.imu = silence.time, .lidar = {}, .gnss = {}}, HostTime{161ms});
+  EXPECT_EQ(merge.late(), 1U);
 }
 
 }  // namespace

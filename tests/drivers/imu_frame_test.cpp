@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/support/imu_frames.hpp"
+
 namespace slamd {
 namespace {
 
@@ -27,15 +29,7 @@ ImuFrame random_frame(std::mt19937& random) {
   std::array<std::uint8_t, 26> bytes{};
   const bool sparse = byte(random) < 64;  // many zeros: many COBS blocks
   for (auto& b : bytes) b = static_cast<std::uint8_t>(sparse && byte(random) < 200 ? 0 : byte(random));
-  ImuFrame frame;
-  frame.status = bytes[0];
-  frame.sequence = wire::load<std::uint16_t>(bytes, 1);
-  frame.device_us = wire::load<std::uint64_t>(bytes, 3);
-  for (std::size_t i = 0; i < 3; ++i) {
-    frame.gyro[i] = static_cast<std::int16_t>(wire::load<std::uint16_t>(bytes, 11 + 2 * i));
-    frame.accel[i] = static_cast<std::int16_t>(wire::load<std::uint16_t>(bytes, 17 + 2 * i));
-  }
-  return frame;
+  return test::frame_of(bytes);
 }
 
 std::span<const std::uint8_t> packet_of(const std::array<std::uint8_t, kImuFrameWireBytes>& wire) {

@@ -6,29 +6,15 @@
 #include <vector>
 
 #include "drivers/imu/imu_frame_parser.hpp"
+#include "tests/support/imu_frames.hpp"
 
 namespace {
 
 using namespace slamd;
+using test::frame_of;
 
 void require(bool property) {
   if (!property) std::abort();
-}
-
-/// A frame whose fields are the first bytes of the input.
-ImuFrame frame_of(std::span<const std::uint8_t> input) {
-  std::array<std::uint8_t, 26> bytes{};
-  std::copy_n(input.begin(), std::min(input.size(), bytes.size()), bytes.begin());
-  ImuFrame frame;
-  frame.status = bytes[0];
-  frame.sequence = wire::load<std::uint16_t>(bytes, 1);
-  frame.device_us = wire::load<std::uint64_t>(bytes, 3);
-  for (std::size_t i = 0; i < 3; ++i) {
-    frame.gyro[i] = static_cast<std::int16_t>(wire::load<std::uint16_t>(bytes, 11 + 2 * i));
-    frame.accel[i] = static_cast<std::int16_t>(wire::load<std::uint16_t>(bytes, 17 + 2 * i));
-  }
-  frame.temperature = static_cast<std::int16_t>(wire::load<std::uint16_t>(bytes, 23));
-  return frame;
 }
 
 /// Only what was encoded comes out.

@@ -1,13 +1,40 @@
 #include "tools/slam-replay/drive.hpp"
 
+#include <utility>
+
 namespace slamd::replay {
+namespace {
+
+std::optional<PcapSource> open_capture(const std::string& path) {
+  Result<PcapSource> capture = PcapSource::open(path.c_str());
+  if (!capture) return std::nullopt;
+  return std::move(capture).value();
+}
+
+}  // namespace
 
 Drive::Drive(const std::string& folder, const DriveConfig& config)
-    : config_{config}, imu_file_{folder + "/imu.csv"}, gps_file_{folder + "/gps.csv"}, decoder_{config.vlp16} {
-  if (imu_file_) imu_reader_.emplace(imu_file_, config.imu_clock);
-  if (gps_file_ && config.with_gps) gps_reader_.emplace(gps_file_, config.nmea);
-  Result<PcapSource> pcap = PcapSource::open((folder + "/lidar.pcap").c_str());
-  if (pcap) pcap_.emplace(std::move(pcap).value());
+    : config_{config}, pcap_{open_capture(folder + "/lidar.pcap")}, decoder_{config.vlp16}, merge_{config.merge} {
+  open_imu(folder);
+  if (config.with_gps) open_gps(folder);
+}
+
+void Drive::open_imu(const std::string& folder) {
+  if (std::optional<PcapSource> bytes = open_capture(folder + "/imu.pcap")) {
+    imu_wire_.emplace(std::move(*bytes), config_.imu_frames);
+    return;
+  }
+  imu_file_.open(folder + "/imu.csv");
+  if (imu_file_) imu_reader_.emplace(imu_file_, config_.imu_clock);
+}
+
+void Drive::open_gps(const std::string& folder) {
+  if (std::optional<PcapSource> bytes = open_capture(folder + "/gps.pcap")) {
+    gps_wire_.emplace(std::move(*bytes), config_.nmea);
+    return;
+  }
+  gps_file_.open(folder + "/gps.csv");
+  if (gps_file_) gps_reader_.emplace(gps_file_, config_.nmea);
 }
 
 Event Drive::next() {
@@ -22,7 +49,7 @@ Event Drive::next() {
   if (imu_) head(heads.imu, imu_->arrival);
   if (fix_) head(heads.gnss, fix_->arrival);
   if (oldest == HostTime::max()) return std::monostate{};
-  const NextEvent event = merge_.next(heads, oldest + EventMergeConfig{}.hold_back);
+  const NextEvent event = merge_.next(heads, oldest + config_.merge.hold_back);
   switch (event.kind) {
     case NextEvent::Kind::kLidar: return std::exchange(packet_, nullptr);
     case NextEvent::Kind::kImu: return *std::exchange(imu_, std::nullopt);
@@ -34,9 +61,19 @@ Event Drive::next() {
 }
 
 void Drive::refill() {
-  if (!imu_ && imu_reader_) imu_ = imu_reader_->next();
-  if (!fix_ && gps_reader_) fix_ = gps_reader_->next();
+  if (!imu_) imu_ = next_sample();
+  if (!fix_) fix_ = next_fix();
   if (packet_ == nullptr) packet_ = next_packet();
+}
+
+std::optional<ImuSample> Drive::next_sample() {
+  if (imu_wire_) return imu_wire_->next();
+  return imu_reader_ ? imu_reader_->next() : std::nullopt;
+}
+
+std::optional<GnssFix> Drive::next_fix() {
+  if (gps_wire_) return gps_wire_->next();
+  return gps_reader_ ? gps_reader_->next() : std::nullopt;
 }
 
 const LidarPacket* Drive::next_packet() {

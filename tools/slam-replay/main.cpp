@@ -29,6 +29,8 @@ replay::DriveConfig drive_config(const Config& config, const Options& options) {
   replay::DriveConfig drive;
   drive.vlp16 = config.vlp16;
   drive.imu_clock.min_latency = config.imu_frames.clock.min_latency;
+  drive.imu_frames = config.imu_frames;
+  drive.merge = config.estimator.merge;
   drive.nmea = config.nmea;
   drive.lidar_port = config.lidar.port;
   drive.with_gps = !options.no_gps;
@@ -49,7 +51,9 @@ bool write_map(replay::Replay& replay, const std::string& path, std::uint64_t& p
 }
 
 int run(const Options& options) {
-  Loaded<Config> config = load_config(options.config, options.overrides);
+  const std::string recorded_config = options.drive + "/slamd.yaml";
+  const bool take_recorded = options.config.empty() && std::filesystem::exists(recorded_config);
+  Loaded<Config> config = load_config(take_recorded ? recorded_config : options.config, options.overrides);
   if (tell(config.faults)) return kBadConfig;
   const std::string vehicle_path = options.drive + "/vehicle.yaml";
   if (std::filesystem::exists(vehicle_path)) {
@@ -59,7 +63,7 @@ int run(const Options& options) {
   }
   replay::Drive drive{options.drive, drive_config(config.value, options)};
   if (!drive.has_lidar() && !drive.has_imu()) {
-    std::fprintf(stderr, "slam-replay: %s: no lidar.pcap and no imu.csv that can be read there\n",
+    std::fprintf(stderr, "slam-replay: %s: no lidar.pcap, imu.csv or imu.pcap that can be read there\n",
                  options.drive.c_str());
     return kBadDrive;
   }
@@ -85,8 +89,8 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Runs a recorded drive through slamd's estimator as fast as possible.\n"
                "Writes odom.tum (one pose a scan), imu_rate.tum, covariance.csv, map.pcd and report.json."};
-  app.add_option("DRIVE", options.drive, "drive folder: lidar.pcap, imu.csv, gps.csv, vehicle.yaml")->required();
-  app.add_option("--config", options.config, "slamd.yaml; without it the defaults");
+  app.add_option("DRIVE", options.drive, "drive folder: lidar.pcap, imu.csv, gps.csv, vehicle.yaml; or a recording of slamd")->required();
+  app.add_option("--config", options.config, "slamd.yaml; without it the recording's own, else the defaults");
   app.add_option("--out", options.out, "folder for the results, made when missing")->required();
   app.add_option("--set", options.overrides, "key=value over the configuration, may be repeated");
   app.add_flag("--no-gps", options.no_gps, "leave gps.csv unread");

@@ -30,8 +30,8 @@ void write_tum(std::ostream& out, HostTime time, const Pose& T_odom_base) {
   write_time(out, time);
   const Eigen::Vector3d& t = T_odom_base.translation;
   const Eigen::Quaterniond& q = T_odom_base.rotation;
-  std::array<char, 160> text;
-  std::snprintf(text.data(), text.size(), " %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n", t.x(), t.y(), t.z(), q.x(), q.y(),
+  std::array<char, 240> text;
+  std::snprintf(text.data(), text.size(), " %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", t.x(), t.y(), t.z(), q.x(), q.y(),
                 q.z(), q.w());
   out << text.data();
 }

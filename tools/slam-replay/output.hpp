@@ -8,7 +8,7 @@
 
 namespace slamd::replay {
 
-/// "time_s x y z qx qy qz qw" a line, time with nine decimals.
+/// "time_s x y z qx qy qz qw" a line, time with nine decimals, the rest so that reading gives the same bits.
 void write_tum(std::ostream& out, HostTime time, const Pose& T_odom_base);
 
 class Output {

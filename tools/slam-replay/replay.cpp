@@ -46,11 +46,13 @@ bool Replay::take(const Event& event, Output& output) {
 }
 
 void Replay::step(Output& output) {
-  times_.begin_scan();
-  const ScanResult* result = odometry_.step();
-  if (result == nullptr) return;
-  if (result->has_scan) times_.end_scan();
-  keep(*result, output);
+  for (;;) {
+    times_.begin_scan();
+    const ScanResult* result = odometry_.step();
+    if (result == nullptr) return;
+    if (result->has_scan) times_.end_scan();
+    keep(*result, output);
+  }
 }
 
 void Replay::keep(const ScanResult& result, Output& output) {

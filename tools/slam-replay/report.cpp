@@ -53,7 +53,24 @@ Json status_line(const Report& report) {
 Json drops(const Drive& drive, const OdometryStats& stats) {
   Json out{{"lidar_packets_lost", drive.lidar_stats().lost}, {"scans_late", stats.scans_late + stats.queue.overtaken}};
   if (drive.imu_reader() != nullptr) out["imu_samples_missing"] = drive.imu_reader()->clock().missing();
+  if (drive.imu_wire() != nullptr) out["imu_samples_missing"] = drive.imu_wire()->parser().stats().missing;
   return out;
+}
+
+Json imu_frame_rejections(const ImuStats& stats) {
+  constexpr std::array kCauses{"", "length", "cobs", "crc", "version"};
+  Json out{{"repeated", stats.repeated}, {"implausible_stamp", stats.implausible}, {"sensor_fault", stats.sensor_faults}};
+  for (std::size_t i = 1; i < kCauses.size(); ++i) out[kCauses[i]] = stats.rejected[i];
+  return out;
+}
+
+Json nmea_rejections(const NmeaParser& parser) {
+  const NmeaSentenceStats& sentences = parser.sentence_stats();
+  return {{"bad_checksum", sentences.bad_checksum},
+          {"no_checksum", sentences.no_checksum},
+          {"broken", sentences.broken},
+          {"too_long", sentences.too_long},
+          {"stale", parser.stats().stale}};
 }
 
 Json rejections(const Drive& drive, const OdometryStats& stats) {
@@ -69,15 +86,20 @@ Json rejections(const Drive& drive, const OdometryStats& stats) {
   if (const ImuCsvReader* imu = drive.imu_reader()) {
     out["imu"] = {{"bad_lines", imu->stats().bad_lines},
                   {"out_of_range", imu->stats().out_of_range},
-                  {"backward", imu->stats().backward},
-                  {"out_of_order", stats.imu.out_of_order},
-                  {"in_future", stats.imu.in_future},
-                  {"frozen", stats.imu.frozen},
-                  {"implausible", stats.imu.implausible}};
+                  {"backward", imu->stats().backward}};
+  }
+  if (const ImuWireReader* imu = drive.imu_wire()) out["imu"] = imu_frame_rejections(imu->parser().stats());
+  if (drive.has_imu()) {
+    out["imu"]["out_of_order"] = stats.imu.out_of_order;
+    out["imu"]["in_future"] = stats.imu.in_future;
+    out["imu"]["frozen"] = stats.imu.frozen;
+    out["imu"]["implausible"] = stats.imu.implausible;
   }
   if (const GpsCsvReader* gps = drive.gps_reader()) {
-    out["gps"] = {{"bad_lines", gps->bad_lines()}, {"stale", gps->parser().stats().stale}};
+    out["gps"] = nmea_rejections(gps->parser());
+    out["gps"]["bad_lines"] = gps->bad_lines();
   }
+  if (const GpsWireReader* gps = drive.gps_wire()) out["gps"] = nmea_rejections(gps->parser());
   out["scans_unfused"] = stats.fusion.unfused;
   out["scans_repeated"] = stats.queue.repeated;
   return out;

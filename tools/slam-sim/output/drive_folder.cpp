@@ -1,10 +1,12 @@
 #include "tools/slam-sim/output/drive_folder.hpp"
 
+#include <array>
 #include <cinttypes>
 #include <cmath>
 #include <cstring>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "firmware/protocol/imu_frame.hpp"
 
@@ -33,34 +35,43 @@ DriveFolder::File DriveFolder::open(const std::filesystem::path& path) {
   return file;
 }
 
-DriveFolder::DriveFolder(const std::filesystem::path& folder, std::int64_t host_start_ns)
+DriveFolder::DriveFolder(const std::filesystem::path& folder, std::int64_t host_start_ns, bool serial_bytes)
     : folder_{created(folder)},
       host_start_ns_{host_start_ns},
+      serial_bytes_{serial_bytes},
       imu_{nullptr, &std::fclose},
       gps_{nullptr, &std::fclose} {
-  for (const char* name : {"lidar.pcap", "imu.csv", "gps.csv"}) std::filesystem::remove(folder_ / name);
+  for (const char* name : {"lidar.pcap", "imu.csv", "gps.csv", "imu.pcap", "gps.pcap"}) std::filesystem::remove(folder_ / name);
 }
 
 void DriveFolder::write(const WireEvent& event) {
   switch (event.channel) {
     case Channel::kLidar:
-      write_packet(event, 2368);
+      write_bytes(event, 2368, "lidar.pcap", lidar_);
       break;
     case Channel::kPosition:
-      write_packet(event, 8308);
+      write_bytes(event, 8308, "lidar.pcap", lidar_);
       break;
     case Channel::kImu:
-      write_imu(event);
+      serial_bytes_ ? write_bytes(event, 0, "imu.pcap", imu_bytes_) : write_imu(event);
       break;
     case Channel::kGps:
-      write_gps(event);
+      serial_bytes_ ? write_bytes(event, 0, "gps.pcap", gps_bytes_) : write_gps(event);
       break;
   }
 }
 
-void DriveFolder::write_packet(const WireEvent& event, std::uint16_t port) {
-  if (!lidar_) lidar_ = std::make_unique<PcapWriter>(folder_ / "lidar.pcap");
-  lidar_->write(host_start_ns_ + event.arrival_ns, port, event.bytes);
+/// As the sensor sends: a broadcast from 192.168.1.201, both ports alike.
+void DriveFolder::write_bytes(const WireEvent& event, std::uint16_t port, const char* name,
+                              std::optional<PcapSink>& file) {
+  constexpr std::array<std::uint8_t, 4> kFactoryAddress{192, 168, 1, 201};
+  if (!file) {
+    const std::filesystem::path path = folder_ / name;
+    Result<PcapSink> sink = PcapSink::open(path.c_str());
+    if (!sink) throw std::runtime_error(path.string() + ": " + sink.reason());
+    file = std::move(sink).value();
+  }
+  file->write({event.bytes, from_ns<HostTime>(host_start_ns_ + event.arrival_ns), ipv4_address(kFactoryAddress), port, port});
 }
 
 void DriveFolder::write_imu(const WireEvent& event) {

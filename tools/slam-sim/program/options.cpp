@@ -160,6 +160,8 @@ void add_output(CLI::App& app, Options& o) {
   app.add_option("--host-start", o.host_start_s, "host time of the start in the drive folder, s")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  app.add_flag("--serial-bytes", o.serial_bytes, "in the folder imu.pcap and gps.pcap, the bytes of the ports, in place of tables")
+      ->needs(out);
   app.add_flag("--quiet", o.quiet, "no progress");
   LiveOptions& l = o.live_options;
   app.add_option("--udp-host", l.udp_host, "IPv4 address the LiDAR's packets go to")

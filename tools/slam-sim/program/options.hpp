@@ -24,6 +24,7 @@ struct Options {
   std::string scenario = "campus";
   std::string out;
   double host_start_s = 1000.0;
+  bool serial_bytes = false;
   bool live = false;
   bool quiet = false;
   LiveOptions live_options;

@@ -1,0 +1,73 @@
+"""What slamd records replays to the same poses, bit for bit, also over lost packets, damaged bytes and silent sensors."""
+
+import json
+import os
+import subprocess
+import unittest
+
+from harness import EndToEndTest
+
+ATTEMPTS = 3  # a machine so busy that events were late or dropped proves nothing about the order
+
+
+def live_pose(row):
+    """A row of get_trajectory: stamp, then the numbers themselves."""
+    return row[0], tuple(map(float, row[1:]))
+
+
+def replayed_poses(path):
+    with open(path, encoding="ascii") as file:
+        for line in file:
+            stamp, *numbers = line.split()
+            seconds, nanoseconds = stamp.split(".")
+            yield int(seconds) * 1_000_000_000 + int(nanoseconds), tuple(map(float, numbers))
+
+
+class Record(EndToEndTest):
+    def drive_and_record(self, folder):
+        """The poses of a live drive, and whether every event was in time."""
+        daemon = self.start_daemon("--record", folder, "--set", "estimator.hold_back_s=0.1")
+        drive = self.start_simulator("--scenario", "parking", "--rest", "3", "--duration", "32",
+                                     "--fault", "lidar:loss=0.02", "--fault", "imu:corrupt=1e-3",
+                                     "--fault", "lidar:gap@12+1.5", "--fault", "imu:gap@20+1")
+        self.await_value("the end of the drive", lambda: not drive.running(), 180.0)
+        poses = dict(map(live_pose, self.client.call("get_trajectory")["result"]["poses"]))
+        health = self.client.status()["health"]
+        self.client.close()
+        self.assert_stops_cleanly(daemon)
+        drops = {name: ring["dropped"] for name, ring in health["rings"].items() if ring["dropped"]}
+        return poses, health["counts"]["late_events"] == 0 and not drops, (health["counts"], drops)
+
+    def replay(self, folder):
+        out = os.path.join(folder, "replayed")
+        subprocess.run([os.environ["SLAM_REPLAY"], folder, "--out", out, "--quiet", "--no-map"], check=True, timeout=300)
+        with open(os.path.join(out, "report.json"), encoding="utf-8") as file:
+            return dict(replayed_poses(os.path.join(out, "odom.tum"))), json.load(file)
+
+    def test_a_recording_replays_to_the_poses_of_the_live_drive(self):
+        for attempt in range(ATTEMPTS):
+            folder = self.path(f"recording-{attempt}")
+            live, in_time, counts = self.drive_and_record(folder)
+            replayed, report = self.replay(folder)
+            if in_time:
+                break
+        else:
+            self.skipTest(f"the machine was too busy for every event to be in time: {counts}")
+        common = [stamp for stamp in replayed if stamp <= max(live)]
+        self.assertGreater(len(common), 150)
+        different = [stamp for stamp in common if live.get(stamp) != replayed[stamp]]
+        self.assertEqual(different, [], f"first at {common.index(different[0]) if different else 0} of {len(common)}")
+        self.assertGreater(report["rejections"]["imu"]["crc"], 10)
+        self.assertIn("no_imu", json.dumps(report["status"]))
+        self.assertIn("no_lidar", json.dumps(report["status"]))
+
+    def test_a_recording_is_never_written_over(self):
+        folder = self.path("recording")
+        self.assert_stops_cleanly(self.start_daemon("--record", folder))
+        again = self.start("slamd", [*self.daemon_arguments(), "--record", folder])
+        self.assertEqual(again.wait(60.0), 1)
+        self.assertIn("recording", again.output())
+
+
+if __name__ == "__main__":
+    unittest.main()
