@@ -67,5 +67,15 @@ TEST_F(ThreadAccounting, LocksAreCounted) {
   EXPECT_EQ(account.locks - before.locks, 10U);
 }
 
+TEST_F(ThreadAccounting, LocksThatGiveUpAreCountedToo) {
+  const ThreadAccount before = account_of([] {});
+  std::timed_mutex mutex;
+  const ThreadAccount account = account_of([&] {
+    if (mutex.try_lock_for(std::chrono::milliseconds{1})) mutex.unlock();
+    if (mutex.try_lock()) mutex.unlock();
+  });
+  EXPECT_EQ(account.locks - before.locks, 2U);
+}
+
 }  // namespace
 }  // namespace slamd

@@ -159,5 +159,8 @@ class EndToEndTest(unittest.TestCase):
         return self.await_value(what, attempt, timeout_s)
 
     def assert_stops_cleanly(self, daemon):
+        """Its own bound is a second; a machine that is busy otherwise is granted ten."""
+        begin = time.monotonic()
         daemon.send(signal.SIGTERM)
-        self.assertEqual(daemon.wait(30.0), 0, daemon.output())
+        self.assertEqual(daemon.wait(10.0), 0, daemon.output())
+        print(f"stopped after {time.monotonic() - begin:.3f} s", flush=True)

@@ -1,13 +1,8 @@
 // The real app in this process, fed by slam-sim over loopback and ptys: after warm-up its real-time threads neither
-// allocate nor lock.
+// allocate nor lock, also while all is recorded.
 
 #include <gtest/gtest.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <chrono>
-#include <csignal>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +11,7 @@
 #include <vector>
 
 #include "daemon/app.hpp"
+#include "tests/support/live_simulator.hpp"
 #include "tests/support/thread_accounting.hpp"
 
 namespace slamd {
@@ -24,38 +20,8 @@ namespace {
 constexpr std::uint16_t kLidarPort = 23680;
 constexpr std::uint16_t kPositionPort = 23681;
 
-/// A temporary folder that goes with its owner.
-class TemporaryFolder {
- public:
-  TemporaryFolder() : path_{std::filesystem::temp_directory_path() / ("slamd-rt-" + std::to_string(::getpid()))} {
-    std::filesystem::create_directories(path_);
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  std::string file(const char* name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
-
-/// slam-sim --live as a child, ended with its owner.
-class Simulator {
- public:
-  explicit Simulator(std::vector<std::string> arguments) {
-    std::vector<char*> argv;
-    for (std::string& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    if (posix_spawn(&pid_, argv[0], nullptr, nullptr, argv.data(), environ) != 0) pid_ = -1;
-  }
-  ~Simulator() {
-    if (pid_ <= 0) return;
-    kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-  }
-  bool started() const { return pid_ > 0; }
-
- private:
-  pid_t pid_ = -1;
-};
+using test::LiveSimulator;
+using test::TemporaryFolder;
 
 Config config_in(const TemporaryFolder& folder) {
   Config config;
@@ -70,8 +36,8 @@ Config config_in(const TemporaryFolder& folder) {
   return config;
 }
 
-Simulator simulator_in(const TemporaryFolder& folder) {
-  return Simulator{{SLAMD_SLAM_SIM, "--live", "--quiet", "--duration", "180", "--rest", "3", "--udp-host", "127.0.0.1",
+LiveSimulator simulator_in(const TemporaryFolder& folder) {
+  return LiveSimulator{{SLAMD_SLAM_SIM, "--live", "--quiet", "--duration", "180", "--rest", "3", "--udp-host", "127.0.0.1",
                     "--lidar-port", std::to_string(kLidarPort), "--position-port", std::to_string(kPositionPort),
                     "--imu-pty", folder.file("imu"), "--gps-pty", folder.file("gnss")}};
 }
@@ -101,9 +67,9 @@ TEST(RealTime, ThreadsNeitherAllocateNorLockAfterWarmUp) {
   constexpr std::uint64_t kWarmUpScans = 80;
   constexpr std::uint64_t kCountedScans = 150;
   const TemporaryFolder folder;
-  auto app = App::open(config_in(folder), "test");
+  auto app = App::open(config_in(folder), "test", folder.file("recording"));
   ASSERT_TRUE(app) << app.reason();
-  const Simulator simulator = simulator_in(folder);
+  const LiveSimulator simulator = simulator_in(folder);
   ASSERT_TRUE(simulator.started());
   ASSERT_TRUE((*app)->start());
   ASSERT_TRUE(supervise_until(**app, [&] { return (*app)->scans() >= kWarmUpScans; }));

@@ -62,6 +62,17 @@ class StartAndStop(EndToEndTest):
             self.assertEqual(daemon.wait(30.0), 0, daemon.output())
             self.assertFalse(os.path.exists(self.path("slamd.sock")))
 
+    def test_what_a_killed_daemon_leaves_does_not_keep_the_next_one_from_starting(self):
+        killed = self.start_daemon()
+        self.client.close()
+        killed.send(signal.SIGKILL)
+        killed.wait(30.0)
+        self.assertTrue(os.path.exists(self.path("slamd.sock")), "nobody was there to remove it")
+        daemon = self.start_daemon()
+        self.assertEqual(self.client.status()["pose"]["status"], "INITIALISING")
+        self.assert_stops_cleanly(daemon)
+        self.assertFalse(os.path.exists(self.path("slamd.sock")))
+
     def test_a_port_in_use_is_a_failed_start_with_its_reason(self):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as blocker:
             blocker.bind(("127.0.0.1", self.port))

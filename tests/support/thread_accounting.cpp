@@ -150,6 +150,16 @@ int pthread_mutex_trylock(pthread_mutex_t* mutex) {
   slamd::count_lock();
   return slamd::next(real, "pthread_mutex_trylock")(mutex);
 }
+int pthread_mutex_timedlock(pthread_mutex_t* mutex, const timespec* until) {
+  static constinit std::atomic<int (*)(pthread_mutex_t*, const timespec*)> real{nullptr};
+  slamd::count_lock();
+  return slamd::next(real, "pthread_mutex_timedlock")(mutex, until);
+}
+int pthread_mutex_clocklock(pthread_mutex_t* mutex, clockid_t clock, const timespec* until) {
+  static constinit std::atomic<int (*)(pthread_mutex_t*, clockid_t, const timespec*)> real{nullptr};
+  slamd::count_lock();
+  return slamd::next(real, "pthread_mutex_clocklock")(mutex, clock, until);
+}
 int pthread_rwlock_rdlock(pthread_rwlock_t* lock) {
   static constinit std::atomic<int (*)(pthread_rwlock_t*)> real{nullptr};
   slamd::count_lock();

@@ -13,7 +13,7 @@ struct ThreadAccount {
   int thread_id = 0;
   std::uint64_t allocations = 0;  // malloc, calloc, realloc, aligned forms, operator new
   std::uint64_t frees = 0;
-  std::uint64_t locks = 0;  // pthread_mutex_lock and _trylock, read-write locks
+  std::uint64_t locks = 0;  // pthread_mutex_lock, _trylock, _timedlock, _clocklock; read-write locks
 };
 
 /// False under address or thread sanitizer, which have allocators of their own: nothing is counted then.

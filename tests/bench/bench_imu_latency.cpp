@@ -1,0 +1,144 @@
+// From an IMU frame in the port to its pose on the page, in the running daemon while scans are being fused, beside what the
+// machine's scheduler does to a thread of the same priority that only sleeps (as cyclictest measures). Prints a table.
+//     bench_imu_latency [SECONDS]
+
+#include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "daemon/app.hpp"
+#include "daemon/ring/unique_fd.hpp"
+#include "daemon/server/host_clock.hpp"
+#include "daemon/threads/pause.hpp"
+#include "tests/support/live_simulator.hpp"
+#include "tools/client/client.hpp"
+#include "tools/slam-sim/output/pty_port.hpp"
+
+namespace slamd {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint16_t kLidarPort = 23690;
+constexpr Duration kPatience = 4ms;  // the next frame comes after 5
+constexpr Duration kWarmUp = 10s;
+
+Config config_in(const test::TemporaryFolder& folder) {
+  Config config;
+  config.lidar.bind_address = "127.0.0.1";
+  config.lidar.port = kLidarPort;
+  config.lidar.position_port = kLidarPort + 1;
+  config.imu.serial.path = folder.file("imu");
+  config.gnss.serial.path = folder.file("gnss");
+  config.server.socket_path = folder.file("slamd.sock");
+  return config;
+}
+
+test::LiveSimulator simulator_in(const test::TemporaryFolder& folder, Duration length) {
+  return test::LiveSimulator{{SLAMD_SLAM_SIM, "--live", "--quiet", "--rest", "3", "--duration",
+                              std::to_string(to_seconds(length)), "--lidar-port", std::to_string(kLidarPort),
+                              "--position-port", std::to_string(kLidarPort + 1), "--imu-pty", folder.file("sim-imu"),
+                              "--gps-pty", folder.file("gnss")}};
+}
+
+/// Wakes every 5 ms like the IMU's thread; records by how much too late.
+void measure_sleep(const std::stop_token& stop, Histogram& lateness) {
+  HostTime due = host_now();
+  while (!stop.stop_requested()) {
+    due += 5ms;
+    const std::int64_t ns = to_ns(due);
+    const timespec wanted{ns / 1'000'000'000, ns % 1'000'000'000};
+    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wanted, nullptr);
+    lateness.record(host_now() - due);
+  }
+}
+
+/// Stands between simulator and daemon on the IMU's cable: passes a frame on and waits until the page has a new pose.
+class Relay {
+ public:
+  Relay(const std::string& from, const std::string& to) : to_{to}, from_path_{from} {}
+
+  void run(const std::stop_token& stop, PosePageReader& page, Histogram& latency) {
+    const HostTime begin = host_now();
+    while (!stop.stop_requested()) {
+      const std::size_t size = read_frame();
+      const std::uint64_t before = sequence(page);
+      const HostTime sent = host_now();
+      to_.write({bytes_.data(), size});
+      if (size == 0) continue;
+      while (sequence(page) == before && host_now() - sent < kPatience) pause_for(10us);
+      if (host_now() - begin > kWarmUp) latency.record(host_now() - sent);
+    }
+  }
+
+ private:
+  static std::uint64_t sequence(const PosePageReader& page) {
+    const std::optional<PoseSample> newest = page.read();
+    return newest ? newest->sequence : 0;
+  }
+
+  std::size_t read_frame() {
+    if (!from_) from_ = UniqueFd{::open(from_path_.c_str(), O_RDONLY | O_NOCTTY | O_CLOEXEC)};
+    pollfd ready{from_.get(), POLLIN, 0};
+    if (!from_ || ::poll(&ready, 1, 100) <= 0) return 0;
+    const ssize_t size = ::read(from_.get(), bytes_.data(), bytes_.size());
+    return size > 0 ? static_cast<std::size_t>(size) : 0;
+  }
+
+  sim::PtyPort to_;
+  std::string from_path_;
+  UniqueFd from_;
+  std::array<std::uint8_t, 4096> bytes_{};
+};
+
+void print_row(const char* name, const Percentiles& p) {
+  const auto us = [](Duration d) { return to_seconds(d) * 1e6; };
+  std::printf("| %s | %llu | %.0f | %.0f | %.0f | %.0f |\n", name, static_cast<unsigned long long>(p.count), us(p.p50),
+              us(p.p99), us(p.p999), us(p.max));
+}
+
+int run(Duration length) {
+  const test::TemporaryFolder folder;
+  Relay relay{folder.file("sim-imu"), folder.file("imu")};
+  auto app = App::open(config_in(folder), "bench");
+  const test::LiveSimulator simulator = simulator_in(folder, length + kWarmUp);
+  if (!app || !simulator.started() || !(*app)->start()) {
+    std::fprintf(stderr, "bench_imu_latency: cannot start (%s)\n", app ? "simulator or server" : app.reason());
+    return 1;
+  }
+  client::Connection connection{folder.file("slamd.sock")};
+  PosePageReader page = connection.pose_page();
+  const auto frame_to_page = std::make_unique<Histogram>();
+  const auto sleep = std::make_unique<Histogram>();
+  {
+    const int imu_priority = Config{}.real_time.imu_priority;
+    const Worker sleeper{{"bench-sleep", imu_priority}, [&](const std::stop_token& stop) { measure_sleep(stop, *sleep); }};
+    const Worker cable{{"bench-cable", imu_priority - 1},
+                       [&](const std::stop_token& stop) { relay.run(stop, page, *frame_to_page); }};
+    if (!cable.scheduled()) std::fprintf(stderr, "bench_imu_latency: %s\n", cable.scheduled().reason());
+    const HostTime end = host_now() + length + kWarmUp;
+    while (host_now() < end && (*app)->supervise()) pause_for(100ms);
+  }
+  const Percentiles a = frame_to_page->percentiles(), b = sleep->percentiles();
+  std::printf("%llu scans fused meanwhile\n\n| microseconds | count | p50 | p99 | p99.9 | max |\n| --- | --- | --- | --- | --- "
+              "| --- |\n", static_cast<unsigned long long>((*app)->scans()));
+  print_row("IMU frame in the port to its pose on the page", a);
+  print_row("a thread that only sleeps 5 ms, too late by", b);
+  print_row("difference", {a.count, a.p50 - b.p50, a.p90 - b.p90, a.p99 - b.p99, a.p999 - b.p999, a.max - b.max});
+  (*app)->stop();
+  return 0;
+}
+
+}  // namespace
+}  // namespace slamd
+
+int main(int argc, char** argv) {
+  return slamd::run(std::chrono::seconds{argc > 1 ? std::atoi(argv[1]) : 60});
+}
