@@ -17,7 +17,7 @@ namespace slamd {
 /// One thread. The file is complete after finish() or the destructor.
 class PcapSink {
  public:
-  static constexpr std::size_t kMaxPayload = 65'507;
+  static constexpr std::size_t kMaxPayload = 65'493;  // with its headers the longest frame of libpcap
 
   /// Replaces what is there. Fails when the file cannot be made.
   [[nodiscard]] static Result<PcapSink> open(const char* path);
