@@ -6,9 +6,12 @@ import shutil
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
+
+sys.path.append(os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "support"))  # rigid
 
 SLAMD = os.environ.get("SLAMD", "slamd")
 SLAM_SIM = os.environ.get("SLAM_SIM", "slam-sim")
