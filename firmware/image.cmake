@@ -1,5 +1,5 @@
-# Target firmware: slamd-imu.elf, .bin and .uf2 for the board, by its own compiler, so by its own rules. Without that compiler
-# (tools/install-packages) the rest of the project builds all the same.
+# Target firmware: slamd-imu.elf, .bin and .uf2 for the board, by its own compiler, so by its own rules. Without that
+# compiler (tools/install-packages) the rest of the project builds all the same.
 find_program(SLAMD_ARM_CXX arm-none-eabi-g++)
 if(NOT SLAMD_ARM_CXX)
   message(STATUS "no arm-none-eabi-g++: target firmware is left out")
@@ -34,11 +34,12 @@ foreach(source ${sources})
 endforeach()
 
 add_custom_command(OUTPUT linked.elf
-  COMMAND ${SLAMD_ARM_CXX} ${flags} ${link_flags} -T ${CMAKE_CURRENT_LIST_DIR}/boot/firmware.ld ${objects} -lc_nano -lgcc
-          -o linked.elf
+  COMMAND ${SLAMD_ARM_CXX} ${flags} ${link_flags} -T ${CMAKE_CURRENT_LIST_DIR}/boot/firmware.ld ${objects}
+          -lc_nano -lgcc -o linked.elf
   DEPENDS ${objects} ${CMAKE_CURRENT_LIST_DIR}/boot/firmware.ld VERBATIM)
 add_custom_command(OUTPUT slamd-imu.elf slamd-imu.bin slamd-imu.uf2
-  COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/boot/make_image.py linked.elf slamd-imu.elf slamd-imu.bin slamd-imu.uf2
+  COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/boot/make_image.py linked.elf
+          slamd-imu.elf slamd-imu.bin slamd-imu.uf2
   DEPENDS linked.elf ${CMAKE_CURRENT_LIST_DIR}/boot/make_image.py COMMENT "Finishing slamd-imu.elf .bin .uf2" VERBATIM)
 add_custom_target(firmware ALL DEPENDS slamd-imu.elf slamd-imu.bin slamd-imu.uf2)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/slamd-imu.uf2 DESTINATION share/slamd)

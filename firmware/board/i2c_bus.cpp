@@ -9,8 +9,9 @@
 namespace slamd::board {
 namespace {
 
-// 48 MHz: low 76 periods = 1.58 us, high 34 + 3 + 7 = 44 periods = 0.92 us, spikes up to 62 ns ignored, data held 312 ns
-// (data sheet 4.3.14). 400 kHz, with margin to the limits of fast mode: 1.3 us, 0.6 us, 50 ns, 300 ns of the other's edge.
+// 48 MHz: low 76 periods = 1.58 us, high 34 + 3 + 7 = 44 periods = 0.92 us, spikes up to 62 ns ignored, data held 312
+// ns (data sheet 4.3.14). 400 kHz, with margin to the limits of fast mode: 1.3 us, 0.6 us, 50 ns, 300 ns of the other's
+// edge.
 constexpr std::uint32_t kLow = 75, kHigh = 34, kSpike = 3, kHold = 15;
 constexpr Micros kHalfClock = 5;
 constexpr int kClocksToFree = 9;
@@ -27,7 +28,9 @@ void drive(unsigned pin, bool high) {
   pause();
 }
 
-bool is_high(unsigned pin) { return (reg(sio::kIn) & bit(pin)) != 0; }
+bool is_high(unsigned pin) {
+  return (reg(sio::kIn) & bit(pin)) != 0;
+}
 
 void set_function(std::uint32_t function) {
   reg(io_bank::control(kSdaPin)) = function;

@@ -1,6 +1,6 @@
 #pragma once
-// I2C0 of the RP2040 at 400 kHz as the sensor's bus. A transfer fits the controller's FIFO (16 entries): started in one go,
-// its end wakes the main loop, nothing in between.
+// I2C0 of the RP2040 at 400 kHz as the sensor's bus. A transfer fits the controller's FIFO (16 entries): started in one
+// go, its end wakes the main loop, nothing in between.
 
 #include <array>
 

@@ -11,7 +11,8 @@ namespace {
 constexpr std::uint32_t kTickUs = 1000;
 constexpr std::uint32_t kWakingLines = bit(nvic::kTimer0) | bit(nvic::kUsb) | bit(nvic::kI2c0);
 
-/// Written by the data-ready interrupt only. The edge count changes last, so a reader who finds it unchanged has a whole stamp.
+/// Written by the data-ready interrupt only. The edge count changes last, so a reader who finds it unchanged has a
+/// whole stamp.
 struct Mailbox {
   static inline volatile std::uint32_t edges = 0;
   static inline volatile std::uint32_t stamp_low = 0;

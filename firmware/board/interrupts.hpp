@@ -1,6 +1,6 @@
 #pragma once
-// Interrupts: data-ready takes its time stamp, all others do no more than wake the main loop, which does all work. So nothing
-// is shared between interrupts and loop but the stamp.
+// Interrupts: data-ready takes its time stamp, all others do no more than wake the main loop, which does all work. So
+// nothing is shared between interrupts and loop but the stamp.
 
 #include <cstdint>
 

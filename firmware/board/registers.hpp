@@ -13,10 +13,16 @@ inline volatile std::uint32_t& reg(Address address) {
   return *reinterpret_cast<volatile std::uint32_t*>(address);
 }
 /// Atomic set and clear of bits, data sheet 2.1.2 (peripherals only, not SIO, not USB RAM).
-inline void set_bits(Address address, std::uint32_t bits) { reg(address + 0x2000) = bits; }
-inline void clear_bits(Address address, std::uint32_t bits) { reg(address + 0x3000) = bits; }
+inline void set_bits(Address address, std::uint32_t bits) {
+  reg(address + 0x2000) = bits;
+}
+inline void clear_bits(Address address, std::uint32_t bits) {
+  reg(address + 0x3000) = bits;
+}
 
-constexpr std::uint32_t bit(unsigned n) { return 1U << n; }
+constexpr std::uint32_t bit(unsigned n) {
+  return 1U << n;
+}
 
 namespace sysinfo {
 constexpr Address kChipId = 0x40000000;  // revision in bits 31..28
@@ -39,11 +45,19 @@ constexpr Address kWatchdogSelect = 0x40010008;
 constexpr std::uint32_t kAllButOscillators = 0x0001FFFC;
 }  // namespace psm
 namespace io_bank {
-constexpr Address control(unsigned gpio) { return 0x40014004 + 8 * gpio; }
+constexpr Address control(unsigned gpio) {
+  return 0x40014004 + 8 * gpio;
+}
 /// Four event bits a pin, eight pins a register.
-constexpr Address event(unsigned gpio) { return 0x400140F0 + 4 * (gpio / 8); }
-constexpr Address event_enable(unsigned gpio) { return 0x40014100 + 4 * (gpio / 8); }
-constexpr std::uint32_t edge_rise(unsigned gpio) { return 8U << (4 * (gpio % 8)); }
+constexpr Address event(unsigned gpio) {
+  return 0x400140F0 + 4 * (gpio / 8);
+}
+constexpr Address event_enable(unsigned gpio) {
+  return 0x40014100 + 4 * (gpio / 8);
+}
+constexpr std::uint32_t edge_rise(unsigned gpio) {
+  return 8U << (4 * (gpio % 8));
+}
 constexpr std::uint32_t kFunctionI2c = 3, kFunctionSio = 5, kFunctionUsbPhy = 8;
 constexpr std::uint32_t kOutputOff = 2U << 12, kInputHigh = 3U << 16;
 }  // namespace io_bank
@@ -52,7 +66,9 @@ constexpr Address kChipSelectControl = 0x4001800C;
 constexpr std::uint32_t kOutputLow = 2U << 8, kOutputHigh = 3U << 8, kOutputMask = 3U << 8;
 }  // namespace io_qspi
 namespace pads {
-constexpr Address pad(unsigned gpio) { return 0x4001C004 + 4 * gpio; }
+constexpr Address pad(unsigned gpio) {
+  return 0x4001C004 + 4 * gpio;
+}
 constexpr std::uint32_t kSchmitt = bit(1), kPullDown = bit(2), kPullUp = bit(3), kDrive4mA = 1U << 4, kInput = bit(6);
 }  // namespace pads
 namespace crystal {
@@ -98,7 +114,8 @@ constexpr Address kIn = 0xD0000004, kOutSet = 0xD0000014, kOutClear = 0xD0000018
                   kEnableClear = 0xD0000028;
 }
 namespace nvic {
-constexpr Address kSetEnable = 0xE000E100, kClearEnable = 0xE000E180, kClearPending = 0xE000E280, kPriority = 0xE000E400;
+constexpr Address kSetEnable = 0xE000E100, kClearEnable = 0xE000E180, kClearPending = 0xE000E280,
+                  kPriority = 0xE000E400;
 constexpr unsigned kTimer0 = 0, kUsb = 5, kIoBank0 = 13, kI2c0 = 23;
 }  // namespace nvic
 

@@ -15,7 +15,9 @@ constexpr std::uint32_t code(char first, char second) {
   return static_cast<std::uint32_t>(second) << 8U | static_cast<std::uint32_t>(first);
 }
 
-Address half_word(Address at) { return *reinterpret_cast<const volatile std::uint16_t*>(at); }
+Address half_word(Address at) {
+  return *reinterpret_cast<const volatile std::uint16_t*>(at);
+}
 
 template <class Function>
 Function* rom_function(std::uint32_t name) {
@@ -70,6 +72,8 @@ bool second_tap() {
   return second;
 }
 
-void forget_tap() { reg(kTapMark) = 0; }
+void forget_tap() {
+  reg(kTapMark) = 0;
+}
 
 }  // namespace slamd::board

@@ -14,7 +14,9 @@ constexpr std::uint32_t kCrystalPeriodsPerMicrosecond = 12;
 
 }  // namespace
 
-void hold_in_reset(std::uint32_t blocks) { set_bits(resets::kReset, blocks); }
+void hold_in_reset(std::uint32_t blocks) {
+  set_bits(resets::kReset, blocks);
+}
 
 void release_from_reset(std::uint32_t blocks) {
   hold_in_reset(blocks);
@@ -66,6 +68,8 @@ void start_pins() {
   reg(io_bank::control(kDataReadyPin)) = io_bank::kFunctionSio;
 }
 
-void set_led(bool on) { reg(on ? sio::kOutSet : sio::kOutClear) = bit(kLedPin); }
+void set_led(bool on) {
+  reg(on ? sio::kOutSet : sio::kOutClear) = bit(kLedPin);
+}
 
 }  // namespace slamd::board

@@ -7,10 +7,12 @@ namespace {
 
 constexpr unsigned kDebugPin = 15;  // D3 of the board, free
 constexpr Micros kForcedFor = 1'000;
-constexpr Micros kForcedAtMost = 5'000;  // the host speaks 10 ms after the reset
+constexpr Micros kForcedAtMost = 5'000;        // the host speaks 10 ms after the reset
 constexpr std::uint32_t kRevisionWithFix = 2;  // B2
 
-bool needed() { return (reg(sysinfo::kChipId) >> 28U) < kRevisionWithFix; }
+bool needed() {
+  return (reg(sysinfo::kChipId) >> 28U) < kRevisionWithFix;
+}
 
 }  // namespace
 
@@ -35,8 +37,8 @@ void UsbConnectFix::step(Micros now) {
   state_ = State::kOff;
 }
 
-/// The controller takes its inputs from pads instead of the USB transceiver: D+ reads high by override, D- low, which is the
-/// idle line of full speed. The pull-up of the real line stays on and the pin itself drives nothing.
+/// The controller takes its inputs from pads instead of the USB transceiver: D+ reads high by override, D- low, which
+/// is the idle line of full speed. The pull-up of the real line stays on and the pin itself drives nothing.
 void UsbConnectFix::force_idle() {
   pad_ = reg(pads::pad(kDebugPin));
   control_ = reg(io_bank::control(kDebugPin));

@@ -1,6 +1,7 @@
 #pragma once
-// Work-around of erratum RP2040-E5: after a bus reset the controller of chip revisions B0 and B1 waits for 800 us of idle
-// bus, which never come behind a busy hub. Shows it an idle bus for 1 ms over the debug input of GPIO15. Never waits.
+// Work-around of erratum RP2040-E5: after a bus reset the controller of chip revisions B0 and B1 waits for 800 us of
+// idle bus, which never come behind a busy hub. Shows it an idle bus for 1 ms over the debug input of GPIO15. Never
+// waits.
 
 #include <cstdint>
 

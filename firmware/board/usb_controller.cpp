@@ -6,10 +6,13 @@
 namespace slamd::board {
 namespace {
 
-constexpr std::uint32_t kControlIn = bit(0), kControlOut = bit(1), kPipeOut = bit(5), kPipeIn = bit(4);  // of kBufferStatus
+constexpr std::uint32_t kControlIn = bit(0), kControlOut = bit(1), kPipeOut = bit(5),
+                        kPipeIn = bit(4);  // of kBufferStatus
 constexpr std::uint32_t kStallControl = bit(0) | bit(1);
 
-volatile std::uint8_t* ram(Address at) { return reinterpret_cast<volatile std::uint8_t*>(at); }
+volatile std::uint8_t* ram(Address at) {
+  return reinterpret_cast<volatile std::uint8_t*>(at);
+}
 
 /// Hands a buffer to the controller. "Available" goes last: the controller may look at any time (data sheet 4.1.2.5.3).
 void arm(Address control, std::uint32_t value) {
@@ -23,7 +26,9 @@ void write(Address buffer, std::span<const std::uint8_t> bytes) {
   for (const std::uint8_t byte : bytes) *to++ = byte;
 }
 
-std::uint32_t data_bit(bool data1) { return data1 ? usb::kData1 : 0; }
+std::uint32_t data_bit(bool data1) {
+  return data1 ? usb::kData1 : 0;
+}
 
 }  // namespace
 
@@ -34,7 +39,8 @@ void UsbController::start() {
   reg(usb::kPower) = usb::kVbusDetected | usb::kVbusOverride;
   reg(usb::kMainControl) = usb::kControllerEnable;
   reg(usb::kSieControl) = usb::kInterruptPerBuffer0;
-  reg(usb::kInterruptEnable) = usb::kEventBuffer | usb::kEventBusReset | usb::kEventSetup | usb::kEventSuspend | usb::kEventResume;
+  reg(usb::kInterruptEnable) =
+      usb::kEventBuffer | usb::kEventBusReset | usb::kEventSetup | usb::kEventSuspend | usb::kEventResume;
   reg(usb::kSieControl) = usb::kInterruptPerBuffer0 | usb::kPullUp;
 }
 
@@ -44,8 +50,8 @@ void UsbController::service(Micros now) {
   if ((events & usb::kEventBuffer) != 0) {
     suspended_ = false;  // a transfer: the bus is awake
     const std::uint32_t done = reg(usb::kBufferStatus);
-    // Before the next buffers go out: their end must not be cleared with this. The OUT pipe's bit stays until receive() has
-    // fetched the bytes.
+    // Before the next buffers go out: their end must not be cleared with this. The OUT pipe's bit stays until receive()
+    // has fetched the bytes.
     reg(usb::kBufferStatus) = done & ~kPipeOut;
     if ((done & kControlIn) != 0) control_in_done();
     if ((done & kControlOut) != 0) control_out_done();
@@ -97,15 +103,28 @@ void UsbController::setup() {
 
 void UsbController::apply(const ControlReply& reply) {
   switch (reply.effect) {
-    case ControlReply::Effect::kNone: break;
-    case ControlReply::Effect::kAddress: new_address_ = reply.argument; break;
-    case ControlReply::Effect::kConfigure: open_pipes(); break;
-    case ControlReply::Effect::kDeconfigure: close_pipes(); break;
-    case ControlReply::Effect::kHalt: set_halt(reply.argument, true); break;
-    case ControlReply::Effect::kUnhalt: set_halt(reply.argument, false); break;
+    case ControlReply::Effect::kNone:
+      break;
+    case ControlReply::Effect::kAddress:
+      new_address_ = reply.argument;
+      break;
+    case ControlReply::Effect::kConfigure:
+      open_pipes();
+      break;
+    case ControlReply::Effect::kDeconfigure:
+      close_pipes();
+      break;
+    case ControlReply::Effect::kHalt:
+      set_halt(reply.argument, true);
+      break;
+    case ControlReply::Effect::kUnhalt:
+      set_halt(reply.argument, false);
+      break;
   }
   switch (reply.stage) {
-    case ControlReply::Stage::kStall: stall_control(); break;
+    case ControlReply::Stage::kStall:
+      stall_control();
+      break;
     case ControlReply::Stage::kSend:
       stage_ = Stage::kSend;
       to_send_ = reply.bytes;

@@ -1,6 +1,6 @@
 #pragma once
-// The RP2040's USB controller as a device: stages of endpoint 0, one bulk pipe each way. What requests mean is UsbControl.
-// Called by the main loop only; its interrupt does no more than wake that.
+// The RP2040's USB controller as a device: stages of endpoint 0, one bulk pipe each way. What requests mean is
+// UsbControl. Called by the main loop only; its interrupt does no more than wake that.
 
 #include <array>
 #include <cstdint>

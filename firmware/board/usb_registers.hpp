@@ -10,10 +10,18 @@ namespace slamd::board::usb {
 // RAM of the controller: setup packet, endpoint controls, buffer controls, buffers.
 constexpr Address kRam = 0x50100000;
 constexpr Address kRamEnd = kRam + 0x1000;
-constexpr Address endpoint_control_in(unsigned n) { return kRam + 8 * n; }
-constexpr Address endpoint_control_out(unsigned n) { return kRam + 8 * n + 4; }
-constexpr Address buffer_control_in(unsigned n) { return kRam + 0x80 + 8 * n; }
-constexpr Address buffer_control_out(unsigned n) { return kRam + 0x84 + 8 * n; }
+constexpr Address endpoint_control_in(unsigned n) {
+  return kRam + 8 * n;
+}
+constexpr Address endpoint_control_out(unsigned n) {
+  return kRam + 8 * n + 4;
+}
+constexpr Address buffer_control_in(unsigned n) {
+  return kRam + 0x80 + 8 * n;
+}
+constexpr Address buffer_control_out(unsigned n) {
+  return kRam + 0x84 + 8 * n;
+}
 constexpr Address kBuffer0 = kRam + 0x100;
 constexpr Address kNotifyBuffer = kRam + 0x180, kOutBuffer = kRam + 0x1C0, kInBuffer = kRam + 0x200;
 
@@ -34,7 +42,7 @@ constexpr std::uint32_t kStatusBusReset = bit(19), kStatusSetup = bit(17), kStat
 constexpr std::uint32_t kToPhy = bit(0), kToDigitalPad = bit(2), kSoftConnect = bit(3);
 constexpr std::uint32_t kVbusDetected = bit(3), kVbusOverride = bit(2);
 constexpr std::uint32_t kPhyPullUp = bit(1), kPhyPullUpOverride = bit(2);
-constexpr std::uint32_t kEventSetup = bit(16), kEventResume = bit(15), kEventSuspend = bit(14), kEventBusReset = bit(12),
-                        kEventBuffer = bit(4);
+constexpr std::uint32_t kEventSetup = bit(16), kEventResume = bit(15), kEventSuspend = bit(14),
+                        kEventBusReset = bit(12), kEventBuffer = bit(4);
 
 }  // namespace slamd::board::usb

@@ -6,8 +6,8 @@ namespace slamd::board {
 namespace {
 
 constexpr std::uint32_t kTimeoutUs = 1'000'000;
-constexpr std::uint32_t kCountsPerUs = 2;            // erratum RP2040-E1: it counts twice a tick
-constexpr std::uint32_t kRunning = 0x736C616D;       // in scratch 0 while the program runs
+constexpr std::uint32_t kCountsPerUs = 2;       // erratum RP2040-E1: it counts twice a tick
+constexpr std::uint32_t kRunning = 0x736C616D;  // in scratch 0 while the program runs
 
 }  // namespace
 
@@ -25,7 +25,9 @@ void start_watchdog() {
   reg(watchdog::kControl) = watchdog::kEnable | watchdog::kPauseInDebug;
 }
 
-void feed_watchdog() { reg(watchdog::kLoad) = kTimeoutUs * kCountsPerUs; }
+void feed_watchdog() {
+  reg(watchdog::kLoad) = kTimeoutUs * kCountsPerUs;
+}
 
 void reset_board() {
   reg(psm::kWatchdogSelect) = psm::kAllButOscillators;

@@ -66,8 +66,8 @@ def uf2(image):
     blocks = len(image) // UF2_PAYLOAD
     out = bytearray()
     for i in range(blocks):
-        out += struct.pack("<8I", UF2_MAGIC_0, UF2_MAGIC_1, UF2_FLAG_FAMILY, FLASH_BASE + i * UF2_PAYLOAD, UF2_PAYLOAD, i,
-                           blocks, UF2_FAMILY_RP2040)
+        out += struct.pack("<8I", UF2_MAGIC_0, UF2_MAGIC_1, UF2_FLAG_FAMILY, FLASH_BASE + i * UF2_PAYLOAD, UF2_PAYLOAD,
+                           i, blocks, UF2_FAMILY_RP2040)
         out += image[i * UF2_PAYLOAD:(i + 1) * UF2_PAYLOAD].ljust(476, b"\0")
         out += struct.pack("<I", UF2_MAGIC_END)
     return out

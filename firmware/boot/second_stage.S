@@ -1,6 +1,6 @@
-// Second stage of the boot: the ROM copies these 256 bytes to 0x20041F00 when their CRC is right and runs them. Sets the flash
-// interface up for plain reads (command 03h, 24-bit address, one line), which every flash of the board understands, and
-// enters the program at 0x10000100. Position independent; no stack.
+// Second stage of the boot: the ROM copies these 256 bytes to 0x20041F00 when their CRC is right and runs them. Sets
+// the flash interface up for plain reads (command 03h, 24-bit address, one line), which every flash of the board understands,
+// and enters the program at 0x10000100. Position independent; no stack.
 // Registers: RP2040 data sheet 4.10 (SSI), 2.8.1.3 (boot sequence).
 
     .syntax unified
@@ -21,7 +21,7 @@ second_stage:
     ldr r0, =0x18000000         // SSI
     movs r1, #0
     str r1, [r0, #SSI_ENABLE]
-    movs r1, #2                 // half of clk_sys, which is the ring oscillator (12 MHz at most) until the program has left flash
+    movs r1, #2                 // half of clk_sys: the ring oscillator, 12 MHz at most, until the program is in RAM
     str r1, [r0, #SSI_BAUDR]
     ldr r1, =0x001F0300         // 32-bit frames, "EEPROM read": command and address out, then data in
     str r1, [r0, #SSI_CTRLR0]

@@ -1,5 +1,5 @@
-// Entry of the program, still in flash: copies the whole program to RAM, clears its variables, goes to main. From then on
-// nothing is read from flash: no cache miss delays an interrupt, and the flash chip is free for commands.
+// Entry of the program, still in flash: copies the whole program to RAM, clears its variables, goes to main. From then
+// on nothing is read from flash: no cache miss delays an interrupt, and the flash chip is free for commands.
 
     .syntax unified
     .cpu cortex-m0plus

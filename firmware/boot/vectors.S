@@ -1,5 +1,5 @@
-// Exceptions and interrupts, in RAM with the rest of the program. Data-ready has its own handler, the other lines only wake
-// the main loop; anything unforeseen stops here until the watchdog starts the board anew.
+// Exceptions and interrupts, in RAM with the rest of the program. Data-ready has its own handler, the other lines only
+// wake the main loop; anything unforeseen stops here until the watchdog starts the board anew.
 
     .syntax unified
     .cpu cortex-m0plus

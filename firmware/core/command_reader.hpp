@@ -11,7 +11,8 @@ namespace slamd {
 
 class CommandReader {
  public:
-  /// Takes one byte; returns the command that it completes. After any garbage the first command behind a delimiter is found.
+  /// Takes one byte; returns the command that it completes. After any garbage the first command behind a delimiter is
+  /// found.
   std::optional<Command> take(std::uint8_t byte);
 
   /// Packets that were no command.

@@ -9,7 +9,9 @@ constexpr Micros kFaultFrameEvery = 100'000;
 constexpr Micros kStartAfter = 100'000;
 constexpr Micros kStuckAfter = 700'000;  // the sensor's state machine moves at least every 0.4 s
 
-constexpr std::uint8_t status_bit(ImuStatus bit, bool set) { return set ? static_cast<std::uint8_t>(bit) : 0; }
+constexpr std::uint8_t status_bit(ImuStatus bit, bool set) {
+  return set ? static_cast<std::uint8_t>(bit) : 0;
+}
 
 constexpr std::uint16_t limited(std::uint64_t count) {
   return static_cast<std::uint16_t>(count < 0xFFFF ? count : 0xFFFF);
@@ -82,12 +84,20 @@ void Device::receive(std::span<const std::uint8_t> bytes, Micros now) {
 
 void Device::execute(const Command& command, Micros now) {
   switch (static_cast<CommandCode>(command.code)) {
-    case CommandCode::kIdentity: return outbox_.push_reply(encode(identity(command.tag)));
-    case CommandCode::kStatistics: return outbox_.push_reply(encode(statistics(command.tag, now)));
-    case CommandCode::kSelfTest: return begin_self_test(command);
-    case CommandCode::kReset: request_start(StartRequest::kReset, now); break;
-    case CommandCode::kBootLoader: request_start(StartRequest::kBootLoader, now); break;
-    default: return acknowledge(command, CommandResult::kUnknown);
+    case CommandCode::kIdentity:
+      return outbox_.push_reply(encode(identity(command.tag)));
+    case CommandCode::kStatistics:
+      return outbox_.push_reply(encode(statistics(command.tag, now)));
+    case CommandCode::kSelfTest:
+      return begin_self_test(command);
+    case CommandCode::kReset:
+      request_start(StartRequest::kReset, now);
+      break;
+    case CommandCode::kBootLoader:
+      request_start(StartRequest::kBootLoader, now);
+      break;
+    default:
+      return acknowledge(command, CommandResult::kUnknown);
   }
   acknowledge(command, CommandResult::kAccepted);
 }
@@ -147,9 +157,13 @@ void Device::request_start(StartRequest request, Micros now) {
   start_at_ = now + kStartAfter;
 }
 
-StartRequest Device::due_start(Micros now) const { return now >= start_at_ ? start_ : StartRequest::kNone; }
+StartRequest Device::due_start(Micros now) const {
+  return now >= start_at_ ? start_ : StartRequest::kNone;
+}
 
-bool Device::alive(Micros now) const { return now - sensor_.last_progress() < kStuckAfter; }
+bool Device::alive(Micros now) const {
+  return now - sensor_.last_progress() < kStuckAfter;
+}
 
 LedState Device::led(bool suspended) const {
   if (suspended) return LedState::kDark;

@@ -1,6 +1,6 @@
 #pragma once
-// The board as a whole: samples to frames, commands to replies, faults to the stream, and when the watchdog may be fed. No
-// registers: the board hands in time, data-ready, bytes and the state of the port.
+// The board as a whole: samples to frames, commands to replies, faults to the stream, and when the watchdog may be fed.
+// No registers: the board hands in time, data-ready, bytes and the state of the port.
 
 #include <array>
 #include <cstdint>

@@ -18,10 +18,14 @@ enum class LedState : std::uint8_t {
 constexpr bool led_on(LedState state, Micros now) {
   const auto low = static_cast<std::uint32_t>(now);
   switch (state) {
-    case LedState::kDark: return false;
-    case LedState::kFault: return (low >> 17U & 1U) == 0;
-    case LedState::kWaiting: return (low & 0xFFFFFU) < 50'000;
-    case LedState::kStreaming: return true;
+    case LedState::kDark:
+      return false;
+    case LedState::kFault:
+      return (low >> 17U & 1U) == 0;
+    case LedState::kWaiting:
+      return (low & 0xFFFFFU) < 50'000;
+    case LedState::kStreaming:
+      return true;
   }
   return false;
 }

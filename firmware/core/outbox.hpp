@@ -21,7 +21,8 @@ struct WirePacket {
 
 class Outbox {
  public:
-  static constexpr std::size_t kFrames = 128;  // 0.6 s: a busy host loses nothing, and what it reads late is not very old
+  static constexpr std::size_t kFrames =
+      128;  // 0.6 s: a busy host loses nothing, and what it reads late is not very old
   static constexpr std::size_t kReplies = 4;
 
   /// Queues a sample's frame, or counts it as dropped when nobody listens.
@@ -40,8 +41,8 @@ class Outbox {
   bool open() const { return open_; }
 
   bool empty() const { return frames_.empty() && replies_.empty(); }
-  /// The next packet, replies first; not when empty. Frames get the newest count of dropped ones here, so that the first
-  /// frame behind a gap tells its size.
+  /// The next packet, replies first; not when empty. Frames get the newest count of dropped ones here, so that the
+  /// first frame behind a gap tells its size.
   WirePacket next();
 
   std::uint32_t dropped() const { return dropped_; }

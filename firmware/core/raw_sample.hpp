@@ -20,7 +20,9 @@ struct RawSample {
 
 /// Bytes of the registers from lsm6dsox::kTemperature on: temperature, gyro x y z, accel x y z, low byte first.
 constexpr void read_outputs(std::span<const std::uint8_t> bytes, RawSample& sample) {
-  const auto value = [bytes](std::size_t at) { return static_cast<std::int16_t>(wire::load<std::uint16_t>(bytes, at)); };
+  const auto value = [bytes](std::size_t at) {
+    return static_cast<std::int16_t>(wire::load<std::uint16_t>(bytes, at));
+  };
   sample.temperature = value(0);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     sample.gyro[axis] = value(2 + 2 * axis);

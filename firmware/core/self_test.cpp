@@ -7,7 +7,9 @@ namespace {
 constexpr std::int32_t kAccelMin = 50, kAccelMax = 1700, kGyroMin = 1500, kGyroMax = 7000;
 
 /// Counts to mg at +-4 g: 0.122 a count.
-constexpr std::int32_t to_mg(std::int32_t counts) { return counts * 122 / 1000; }
+constexpr std::int32_t to_mg(std::int32_t counts) {
+  return counts * 122 / 1000;
+}
 /// Counts to tenths of dps at +-2000 dps: 0.7 a count. A change from end to end does not fit into 16 bits.
 constexpr std::int32_t to_ddps(std::int32_t counts) {
   constexpr std::int32_t kMost = 32767;

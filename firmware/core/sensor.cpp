@@ -5,11 +5,11 @@ namespace {
 
 using namespace lsm6dsox;
 
-constexpr Micros kTransferTimeout = 5'000;   // a burst takes 0.4 ms
+constexpr Micros kTransferTimeout = 5'000;  // a burst takes 0.4 ms
 constexpr Micros kRetryAfter = 100'000;
 constexpr Micros kResetPause = 2'000;
 constexpr Micros kResetTimeout = 50'000;
-constexpr Micros kDataTimeout = 50'000;      // ten samples
+constexpr Micros kDataTimeout = 50'000;        // ten samples
 constexpr Micros kFirstDataTimeout = 300'000;  // the gyroscope turns on in 70 ms, its filters settle
 constexpr Micros kTestSettling = 100'000;
 constexpr std::size_t kVerifiedRegisters = 9;  // from kAccelControl on
@@ -54,17 +54,29 @@ SensorState Sensor::state() const {
 /// Starts the transfer of the phase, if there is one to start.
 void Sensor::begin(Micros now, const DataReady& ready) {
   switch (phase_) {
-    case Phase::kRestart: return restart(now);
-    case Phase::kIdentify: bus_.read(kWhoAmI, 1); break;
-    case Phase::kReset: bus_.write(kControl3, kSoftwareReset); break;
-    case Phase::kAwaitReset: bus_.read(kControl3, 1); break;
-    case Phase::kSettings: bus_.write(settings_.front().address, settings_.front().value); break;
-    case Phase::kVerify: bus_.read(kAccelControl, kVerifiedRegisters); break;
+    case Phase::kRestart:
+      return restart(now);
+    case Phase::kIdentify:
+      bus_.read(kWhoAmI, 1);
+      break;
+    case Phase::kReset:
+      bus_.write(kControl3, kSoftwareReset);
+      break;
+    case Phase::kAwaitReset:
+      bus_.read(kControl3, 1);
+      break;
+    case Phase::kSettings:
+      bus_.write(settings_.front().address, settings_.front().value);
+      break;
+    case Phase::kVerify:
+      bus_.read(kAccelControl, kVerifiedRegisters);
+      break;
     case Phase::kSettle:
       phase_ = Phase::kTest;
       return await_data(now, ready);
     case Phase::kMeasure:
-    case Phase::kTest: return begin_sample(now, ready);
+    case Phase::kTest:
+      return begin_sample(now, ready);
   }
   transferring_ = true;
   if (phase_ != Phase::kAwaitReset) deadline_ = now + kTransferTimeout;
@@ -132,13 +144,15 @@ void Sensor::finish_setup(Micros now, const DataReady& ready) {
       if (now > deadline_) return fail(SensorFault::kConfiguration, now);
       wake_at_ = now + kResetPause;
       break;
-    case Phase::kSettings: return finish_settings(now);
+    case Phase::kSettings:
+      return finish_settings(now);
     case Phase::kVerify:
       if (!settings_hold()) return fail(SensorFault::kConfiguration, now);
       phase_ = Phase::kMeasure;
       await_data(now, ready);
       break;
-    default: break;
+    default:
+      break;
   }
 }
 
@@ -152,8 +166,10 @@ void Sensor::finish_settings(Micros now) {
 /// Reference, then force, then the sensor is set up from reset.
 void Sensor::add_to_test(const RawSample& sample) {
   switch (test_.running->add(sample)) {
-    case SelfTest::Progress::kMore: return;
-    case SelfTest::Progress::kHalf: return write_settings(kSelfTestForce, Phase::kSettle);
+    case SelfTest::Progress::kMore:
+      return;
+    case SelfTest::Progress::kHalf:
+      return write_settings(kSelfTestForce, Phase::kSettle);
     case SelfTest::Progress::kComplete:
       test_.report = test_.running->report();
       test_.running.reset();

@@ -1,6 +1,6 @@
 #pragma once
-// The LSM6DSOX from power-up to samples, and back after any fault: a state machine that never waits. Frames, sequence and
-// host are Device's business, the bus's electrical side is the bus's.
+// The LSM6DSOX from power-up to samples, and back after any fault: a state machine that never waits. Frames, sequence
+// and host are Device's business, the bus's electrical side is the bus's.
 
 #include <cstdint>
 #include <optional>
@@ -28,8 +28,8 @@ class Sensor {
  public:
   explicit Sensor(SensorBus& bus) : bus_{bus} {}
 
-  /// One step: looks at the bus, starts the next transfer. Returns a sample when one is complete. Call at every interrupt
-  /// and at least every millisecond; O(1) but for SensorBus::recover().
+  /// One step: looks at the bus, starts the next transfer. Returns a sample when one is complete. Call at every
+  /// interrupt and at least every millisecond; O(1) but for SensorBus::recover().
   std::optional<RawSample> step(Micros now, const DataReady& ready);
 
   /// Asks for the built-in self-test; it takes about 0.4 s, without samples. False when the sensor is not measuring.
@@ -45,7 +45,17 @@ class Sensor {
   Micros last_progress() const { return progress_at_; }
 
  private:
-  enum class Phase : std::uint8_t { kRestart, kIdentify, kReset, kAwaitReset, kSettings, kVerify, kMeasure, kSettle, kTest };
+  enum class Phase : std::uint8_t {
+    kRestart,
+    kIdentify,
+    kReset,
+    kAwaitReset,
+    kSettings,
+    kVerify,
+    kMeasure,
+    kSettle,
+    kTest
+  };
 
   struct Test {
     bool wanted = false;
@@ -70,15 +80,15 @@ class Sensor {
   Phase phase_ = Phase::kRestart;
   bool transferring_ = false;
   bool faulty_ = false;
-  bool overrun_ = false;                               // to be told with the next sample
+  bool overrun_ = false;  // to be told with the next sample
   Phase after_settings_ = Phase::kVerify;
   SensorFault fault_ = SensorFault::kNone;
   std::uint8_t id_ = 0;
-  Micros wake_at_ = 20'000;                            // the sensor boots for 10 ms after power-up
+  Micros wake_at_ = 20'000;  // the sensor boots for 10 ms after power-up
   Micros progress_at_ = 0;
-  Micros deadline_ = 0;                                // of the transfer, of the sensor's reset, or of the next data-ready
+  Micros deadline_ = 0;  // of the transfer, of the sensor's reset, or of the next data-ready
   std::span<const lsm6dsox::Setting> settings_;
-  DataReady reading_;                                  // the edge whose sample is being read, or was last
+  DataReady reading_;  // the edge whose sample is being read, or was last
   SensorCounters counters_;
   Test test_;
 };

@@ -1,5 +1,6 @@
 #pragma once
-// The bus to the sensor as the sensor's driver sees it: one transfer at a time, started and polled. It knows no registers.
+// The bus to the sensor as the sensor's driver sees it: one transfer at a time, started and polled. It knows no
+// registers.
 
 #include <cstddef>
 #include <cstdint>
@@ -27,8 +28,8 @@ class SensorBus {
   /// What the last read brought; valid after kDone until the next transfer.
   virtual std::span<const std::uint8_t> bytes() const = 0;
 
-  /// Abandons the transfer, frees a line that a slave holds low (up to 9 clocks and a stop) and starts the bus anew. Less
-  /// than 1 ms. Returns whether both lines are high.
+  /// Abandons the transfer, frees a line that a slave holds low (up to 9 clocks and a stop) and starts the bus anew.
+  /// Less than 1 ms. Returns whether both lines are high.
   virtual bool recover() = 0;
 
  protected:

@@ -14,15 +14,24 @@ constexpr std::uint8_t kToHost = 0x80, kTypeMask = 0x60, kStandard = 0x00, kClas
 constexpr std::uint8_t kRecipientMask = 0x1F, kToDevice = 0, kToInterface = 1, kToEndpoint = 2;
 
 enum Standard : std::uint8_t {
-  kGetStatus = 0, kClearFeature = 1, kSetFeature = 3, kSetAddress = 5, kGetDescriptor = 6, kGetConfiguration = 8,
-  kSetConfiguration = 9, kGetInterface = 10, kSetInterface = 11
+  kGetStatus = 0,
+  kClearFeature = 1,
+  kSetFeature = 3,
+  kSetAddress = 5,
+  kGetDescriptor = 6,
+  kGetConfiguration = 8,
+  kSetConfiguration = 9,
+  kGetInterface = 10,
+  kSetInterface = 11
 };
 enum Serial : std::uint8_t { kSetLineCoding = 0x20, kGetLineCoding = 0x21, kSetLineState = 0x22, kSendBreak = 0x23 };
 
 constexpr std::uint8_t kInterfaces = 3;
 constexpr std::uint32_t kTouchBaud = 1200;
 
-constexpr ControlReply stall() { return {}; }
+constexpr ControlReply stall() {
+  return {};
+}
 constexpr ControlReply acknowledge(Effect effect = Effect::kNone, std::uint8_t argument = 0) {
   return {Stage::kAcknowledge, effect, argument, {}};
 }
@@ -57,26 +66,33 @@ ControlReply UsbControl::standard(const SetupPacket& packet) {
     case kSetAddress:
       if (recipient != kToDevice || packet.value > 127) return stall();
       return acknowledge(Effect::kAddress, static_cast<std::uint8_t>(packet.value));
-    case kSetConfiguration: return recipient == kToDevice ? set_configuration(packet) : stall();
-    case kClearFeature: return feature(packet, false);
-    case kSetFeature: return feature(packet, true);
+    case kSetConfiguration:
+      return recipient == kToDevice ? set_configuration(packet) : stall();
+    case kClearFeature:
+      return feature(packet, false);
+    case kSetFeature:
+      return feature(packet, true);
     case kSetInterface:
       if (recipient != kToInterface || !configured_ || packet.index >= kInterfaces || packet.value != 0) return stall();
       return acknowledge();
-    default: return stall();
+    default:
+      return stall();
   }
 }
 
 ControlReply UsbControl::get_descriptor(const SetupPacket& packet) {
   const auto index = static_cast<std::uint8_t>(packet.value & 0xFFU);
   switch (packet.value >> 8U) {
-    case 1: return index == 0 ? send(device_descriptor(), packet) : stall();
-    case 2: return index == 0 ? send(configuration_descriptor(), packet) : stall();
+    case 1:
+      return index == 0 ? send(device_descriptor(), packet) : stall();
+    case 2:
+      return index == 0 ? send(configuration_descriptor(), packet) : stall();
     case 3:
       if (index >= kUsbStringCount) return stall();
       string_ = string_descriptor(index, id_);
       return send(string_.span(), packet);
-    default: return stall();  // no qualifier: the board knows full speed only
+    default:
+      return stall();  // no qualifier: the board knows full speed only
   }
 }
 
@@ -121,17 +137,24 @@ ControlReply UsbControl::serial_port(const SetupPacket& packet) {
       if (!terminal_ready_ && wire::load<std::uint32_t>(line_coding_, 0) == kTouchBaud)
         start_request_ = StartRequest::kBootLoader;
       return acknowledge();
-    case kSendBreak: return acknowledge();
-    default: return stall();
+    case kSendBreak:
+      return acknowledge();
+    default:
+      return stall();
   }
 }
 
 ControlReply UsbControl::reset_interface(const SetupPacket& packet) {
   if ((packet.type & kToHost) != 0) return stall();
   switch (static_cast<ImuResetRequest>(packet.request)) {
-    case ImuResetRequest::kBootLoader: start_request_ = StartRequest::kBootLoader; return acknowledge();
-    case ImuResetRequest::kFlash: start_request_ = StartRequest::kReset; return acknowledge();
-    default: return stall();
+    case ImuResetRequest::kBootLoader:
+      start_request_ = StartRequest::kBootLoader;
+      return acknowledge();
+    case ImuResetRequest::kFlash:
+      start_request_ = StartRequest::kReset;
+      return acknowledge();
+    default:
+      return stall();
   }
 }
 
@@ -166,10 +189,14 @@ ControlReply UsbControl::send(std::uint8_t byte, const SetupPacket& packet) {
 bool* UsbControl::halted(std::uint16_t endpoint) {
   if (!configured_) return nullptr;
   switch (endpoint) {
-    case kNotifyEndpoint: return &halted_[0];
-    case kOutEndpoint: return &halted_[1];
-    case kInEndpoint: return &halted_[2];
-    default: return nullptr;
+    case kNotifyEndpoint:
+      return &halted_[0];
+    case kOutEndpoint:
+      return &halted_[1];
+    case kInEndpoint:
+      return &halted_[2];
+    default:
+      return nullptr;
   }
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// What the board answers to requests on USB endpoint 0: standard, serial port and reset requests. It moves no bytes: packets,
-// toggles and stages are the controller's.
+// What the board answers to requests on USB endpoint 0: standard, serial port and reset requests. It moves no bytes:
+// packets, toggles and stages are the controller's.
 
 #include <array>
 #include <cstdint>

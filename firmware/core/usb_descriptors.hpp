@@ -26,8 +26,8 @@ struct StringDescriptor {
   std::span<const std::uint8_t> span() const { return {bytes.data(), size}; }
 };
 
-/// index 0 the languages, 1 manufacturer, 2 product, 3 serial number (the unique id in hex), 4 stream, 5 reset interface;
-/// any other gives an empty one.
+/// index 0 the languages, 1 manufacturer, 2 product, 3 serial number (the unique id in hex), 4 stream, 5 reset
+/// interface; any other gives an empty one.
 StringDescriptor string_descriptor(std::uint8_t index, const UniqueId& id);
 
 }  // namespace slamd

@@ -1,5 +1,6 @@
 #pragma once
-// Commands from the host to the IMU board: layout, encoder, decoder. Each gets exactly one reply (reply.hpp). Freestanding.
+// Commands from the host to the IMU board: layout, encoder, decoder. Each gets exactly one reply (reply.hpp).
+// Freestanding.
 
 #include <array>
 #include <cstdint>

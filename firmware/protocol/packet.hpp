@@ -14,8 +14,8 @@
 
 namespace slamd {
 
-/// First byte of a packet: kind (high nibble), version of its layout (low nibble). Numbers are never reused; 0x11 is the
-/// sample (kImuFrameKindVersion).
+/// First byte of a packet: kind (high nibble), version of its layout (low nibble). Numbers are never reused; 0x11 is
+/// the sample (kImuFrameKindVersion).
 enum class PacketKind : std::uint8_t {
   kIdentity = 0x21,
   kStatistics = 0x31,
@@ -54,8 +54,8 @@ struct OpenedPacket {
   }
 };
 
-/// Opens what stood between two delimiters; nothing when COBS or CRC is wrong or the packet is too long. Works for every
-/// kind, samples too. O(bytes), no state.
+/// Opens what stood between two delimiters; nothing when COBS or CRC is wrong or the packet is too long. Works for
+/// every kind, samples too. O(bytes), no state.
 constexpr std::optional<OpenedPacket> open_packet(std::span<const std::uint8_t> packet) {
   OpenedPacket opened;
   if (packet.size() > kMaxPacketBytes) return std::nullopt;

@@ -1,7 +1,7 @@
 #pragma once
-// What the IMU board says besides samples: identity, statistics, self-test, acknowledgement. Layouts, encoders, decoders.
-// Replies carry the command's tag; statistics also come unasked (tag 0) when the sensor's state or fault changes.
-// Freestanding.
+// What the IMU board says besides samples: identity, statistics, self-test, acknowledgement. Layouts, encoders,
+// decoders. Replies carry the command's tag; statistics also come unasked (tag 0) when the sensor's state or fault
+// changes. Freestanding.
 
 #include <array>
 #include <cstdint>
@@ -14,10 +14,10 @@ namespace slamd {
 struct Identity {
   std::uint8_t sensor_id = 0;  // the sensor's WHO_AM_I as last read, 0x6C = LSM6DSOX; 0 = it never answered
   std::uint16_t tag = 0;
-  std::array<std::uint8_t, 8> unique_id{};   // of the flash chip; as hex digits it is the USB serial number
-  std::array<std::uint8_t, 3> version{};     // of the firmware: major, minor, patch
-  std::uint8_t chip_revision = 0;            // RP2040: 1 = B0 or B1, 2 = B2
-  std::uint16_t rate_hz = 0;                 // nominal output data rate
+  std::array<std::uint8_t, 8> unique_id{};  // of the flash chip; as hex digits it is the USB serial number
+  std::array<std::uint8_t, 3> version{};    // of the firmware: major, minor, patch
+  std::uint8_t chip_revision = 0;           // RP2040: 1 = B0 or B1, 2 = B2
+  std::uint16_t rate_hz = 0;                // nominal output data rate
   std::uint16_t gyro_range_dps = 0;
   std::uint8_t accel_range_g = 0;
 

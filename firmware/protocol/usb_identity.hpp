@@ -6,7 +6,8 @@
 
 namespace slamd {
 
-/// Device descriptor of our firmware: a test id of pid.codes. bcdDevice is the firmware's version, a digit each (0x0123 = 1.2.3).
+/// Device descriptor of our firmware: a test id of pid.codes. bcdDevice is the firmware's version, a digit each (0x0123
+/// = 1.2.3).
 constexpr std::uint16_t kImuUsbVendor = 0x1209;
 constexpr std::uint16_t kImuUsbProduct = 0x0001;
 /// Its product string; other devices on the test id have another.

@@ -94,7 +94,11 @@ TEST(Packet, EverySingleDamagedBitIsSeen) {
 TEST(Packet, TruncatedEmptyAndTooLongPacketsAreRefused) {
   const auto wire = encode(some_statistics());
   for (std::size_t size = 0; size + 1 < wire.size(); ++size) EXPECT_FALSE(open_packet(std::span{wire}.first(size)));
-  const std::array<std::uint8_t, 200> ones = [] { std::array<std::uint8_t, 200> a; a.fill(1); return a; }();
+  const std::array<std::uint8_t, 200> ones = [] {
+    std::array<std::uint8_t, 200> a;
+    a.fill(1);
+    return a;
+  }();
   EXPECT_FALSE(open_packet(ones));
 }
 

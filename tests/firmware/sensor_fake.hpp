@@ -1,6 +1,6 @@
 #pragma once
-// An LSM6DSOX behind SensorBus, register by register, in no time: for tests of firmware/core. The model with electrical timing
-// is in the emulator.
+// An LSM6DSOX behind SensorBus, register by register, in no time: for tests of firmware/core. The model with electrical
+// timing is in the emulator.
 
 #include <array>
 #include <cstdint>
@@ -18,7 +18,7 @@ class SensorFake final : public SensorBus {
   static constexpr Micros kPeriod = 4'808;
 
   bool present = true;
-  bool hung = false;         // transfers never end, recover() finds a line low
+  bool hung = false;          // transfers never end, recover() finds a line low
   int hung_until_clocks = 0;  // recover() frees the bus at this many calls
   bool reset_sticks = false;
   bool data_ready_dead = false;
@@ -42,7 +42,8 @@ class SensorFake final : public SensorBus {
 
   /// The pin's edges up to `now`.
   DataReady at(Micros now) {
-    const bool measuring = present && (registers[0x10] >> 4U) == 5 && (registers[0x11] >> 4U) == 5 && registers[0x0D] == 0x02;
+    const bool measuring =
+        present && (registers[0x10] >> 4U) == 5 && (registers[0x11] >> 4U) == 5 && registers[0x0D] == 0x02;
     for (; next_ <= now; next_ += kPeriod) {
       if (measuring && !data_ready_dead) edge(next_);
     }

@@ -42,8 +42,13 @@ class UsbControlTest : public testing::Test {
   void configure() { EXPECT_EQ(ask(0x00, 9, 1, 0).effect, Effect::kConfigure); }
   void set_baud(std::uint32_t baud) {
     ASSERT_EQ(ask(0x21, 0x20, 0, 0, 7).stage, Stage::kReceive);
-    const Bytes coding{static_cast<std::uint8_t>(baud), static_cast<std::uint8_t>(baud >> 8U),
-                       static_cast<std::uint8_t>(baud >> 16U), 0, 0, 0, 8};
+    const Bytes coding{static_cast<std::uint8_t>(baud),
+                       static_cast<std::uint8_t>(baud >> 8U),
+                       static_cast<std::uint8_t>(baud >> 16U),
+                       0,
+                       0,
+                       0,
+                       8};
     ASSERT_TRUE(usb_.received(coding));
   }
   void set_line_state(std::uint16_t state) { ASSERT_EQ(ask(0x21, 0x22, state, 0).stage, Stage::kAcknowledge); }

@@ -1,5 +1,5 @@
-// What a host can send to the IMU board: any setup packets and any bytes. Properties: no answer is longer than asked for; a
-// command after any garbage and a delimiter is found and answered once.
+// What a host can send to the IMU board: any setup packets and any bytes. Properties: no answer is longer than asked
+// for; a command after any garbage and a delimiter is found and answered once.
 
 #include <cstdlib>
 #include <span>
