@@ -118,7 +118,7 @@ int run(Duration length) {
   const auto frame_to_page = std::make_unique<Histogram>();
   const auto sleep = std::make_unique<Histogram>();
   {
-    const int imu_priority = Config{}.real_time.imu_priority;
+    const int imu_priority = RealTimeConfig{}.imu_priority;
     const Worker sleeper{{"bench-sleep", imu_priority}, [&](const std::stop_token& stop) { measure_sleep(stop, *sleep); }};
     const Worker cable{{"bench-cable", imu_priority - 1},
                        [&](const std::stop_token& stop) { relay.run(stop, page, *frame_to_page); }};
