@@ -104,7 +104,7 @@ export class Board {
     this.resets.push({ at: this.world.now, cause });
     this.bootLoader = null;
     this.chip = new Chip(this.world, this.faults, {
-      image: this.#image, flashId: this.#flashId, memory, i2cBus: this.#bus, byRunPin: cause === 'button',
+      image: this.#image, flashId: this.#flashId, memory, i2cBus: this.#bus, byRunPin: this.#lastIsButton(),
       onWatchdog: (reason) => (this.#pendingReset = reason),
       onBootLoader: (pins, disabled) => this.#enterBootLoader(pins, disabled),
     });
@@ -112,6 +112,11 @@ export class Board {
     this.#watchPins();
     this.chip.usb.onPullUp((attached) => this.#onAttach(attached));
     if (!this.chip.start()) this.#enterBootLoader(0, 0);
+  }
+
+  /** The chip's own record of its last reset, which one by the watchdog leaves as it is. */
+  #lastIsButton() {
+    return this.resets.filter(({ cause }) => !cause.startsWith('watchdog')).at(-1).cause === 'button';
   }
 
   #watchPins() {
