@@ -52,7 +52,7 @@ App::App(const Config& config, const std::string& version, PosePublisher publish
            publisher_},
       gnss_{config.gnss, config.nmea, *streams_},
       estimator_{config.estimator, config.vehicle, config.odometry, *streams_},
-      mapping_{*streams_, map_, trajectory_},
+      mapping_{make_mapper(config.back_end, config.vehicle), *streams_, map_, trajectory_},
       health_{host_now()},
       supervisor_{config.log.repeat_period,
                   [this](LogLevel level, const std::string& line) { log_.write(level, line); }},
@@ -128,6 +128,8 @@ void App::register_probes() {
   health_.add_count("late_events", [this] { return estimator_.late_events(); });
   health_.add_count("keyframes", [this] { return estimator_.keyframes(); });
   health_.add_count("gnss_fixes", [this] { return mapping_.fixes(); });
+  health_.add_count("map_solves", [this] { return mapping_.solves(); });
+  health_.add_count("closures", [this] { return mapping_.closures(); });
   health_.add_count("log_lines_lost", [this] { return log_.lost(); });
   supervisor_.watch_pose([this] { return publisher_.newest(); });
 }

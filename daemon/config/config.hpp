@@ -17,6 +17,7 @@
 #include "drivers/gnss/nmea_parser.hpp"
 #include "drivers/imu/imu_frame_parser.hpp"
 #include "drivers/velodyne/vlp16_decoder.hpp"
+#include "estimator/graph/back_end.hpp"
 #include "estimator/odometry/lidar_inertial_odometry.hpp"
 #include "estimator/types/pose.hpp"
 
@@ -35,6 +36,7 @@ struct Config {
   NmeaParser::Config nmea = NmeaParser::Config::defaults();
   OdometryConfig odometry;
   EstimatorThreadConfig estimator;
+  BackEndConfig back_end;
   MapStoreConfig map;
   ServerConfig server;
   RealTimeConfig real_time;

@@ -1,6 +1,7 @@
 // The tables of keys: one line says the key, where it lives, its unit, its range and its meaning. Those of the
 // estimator are in odometry_fields.cpp.
 
+#include "daemon/config/back_end_fields.hpp"
 #include "daemon/config/config.hpp"
 #include "daemon/config/odometry_fields.hpp"
 
@@ -164,6 +165,7 @@ Fields config_fields(Config& c) {
   append(fields, gnss_fields(c.gnss, c.nmea));
   append(fields, odometry_fields(c.odometry));
   append(fields, estimator_thread_fields(c.estimator));
+  append(fields, back_end_fields(c.back_end));
   append(fields, map_fields(c.map));
   append(fields, server_fields(c.server));
   append(fields, real_time_fields(c.real_time));

@@ -48,7 +48,8 @@ void ImuThread::carry_on(HostTime now) {
 }
 
 void ImuThread::publish(const NavState& state) {
-  publisher_.publish(state, {}, streams_.utc_offset_ns.load(std::memory_order_relaxed));
+  const Pose* const T_map_odom = streams_.T_map_odom.load();
+  publisher_.publish(state, T_map_odom != nullptr ? *T_map_odom : Pose{}, streams_.utc_offset_ns.load(std::memory_order_relaxed));
   last_published_ = host_now();
 }
 

@@ -7,12 +7,14 @@ namespace slamd {
 namespace {
 
 constexpr Duration kPollPeriod = std::chrono::milliseconds{20};
+constexpr Duration kSolveBudget = std::chrono::seconds{1};  // then keyframes and poses are looked after; the next goes on
 
 }  // namespace
 
 void MappingThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     drain();
+    solve(stop);
     pause_for(kPollPeriod);
   }
   drain();
@@ -21,10 +23,33 @@ void MappingThread::run(const std::stop_token& stop) {
 void MappingThread::drain() {
   for (; const StampedPose* pose = streams_.path.front(); streams_.path.pop())
     trajectory_.add(pose->time, pose->T_odom_base);
-  for (; const Keyframe* keyframe = streams_.keyframes.front(); streams_.keyframes.pop()) map_.add(*keyframe);
+  for (; const Keyframe* keyframe = streams_.keyframes.front(); streams_.keyframes.pop()) take(*keyframe);
   for (; const GnssFix* fix = streams_.fixes.front(); streams_.fixes.pop()) {
     if (fix->quality != GnssQuality::kNone) fixes_.fetch_add(1, std::memory_order_relaxed);
+    mapper_.add(*fix);
   }
+}
+
+void MappingThread::take(const Keyframe& keyframe) {
+  mapper_.add(keyframe);
+  map_.add(keyframe, mapper_.solution()->T_map_odom);
+}
+
+void MappingThread::solve(const std::stop_token& stop) {
+  const HostTime deadline = host_now() + kSolveBudget;
+  const std::size_t patience = streams_.keyframes.capacity() / 2;
+  const bool solved = mapper_.solve([&] {
+    return stop.stop_requested() || host_now() > deadline || streams_.keyframes.counts().size > patience;
+  });
+  if (!solved) return;
+  const std::shared_ptr<const GraphSolution> solution = mapper_.solution();
+  std::vector<KeyframePose> moved;
+  moved.reserve(solution->keyframes.size());
+  for (const KeyframeEstimate& keyframe : solution->keyframes) moved.push_back({moved.size(), keyframe.T_map_base});
+  map_.move(moved);
+  streams_.T_map_odom.store(solution->T_map_odom);
+  closures_.store(solution->closures, std::memory_order_relaxed);
+  solves_.fetch_add(1, std::memory_order_relaxed);
 }
 
 }  // namespace slamd

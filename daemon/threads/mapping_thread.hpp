@@ -1,36 +1,44 @@
 #pragma once
-// The mapping thread: keyframes into the map, poses into the trajectory, GPS fixes counted. Not real-time: it may be
-// late, allocates and takes locks, and nothing that it does reaches the estimator.
+// The mapping thread: keyframes and GPS fixes through the back end into the map, poses into the trajectory. Not real-time:
+// it may be late, allocates and takes locks, and nothing that it does reaches the estimator.
 
 #include <atomic>
 #include <cstdint>
 #include <stop_token>
+#include <utility>
 
 #include "daemon/store/map_store.hpp"
 #include "daemon/store/trajectory_store.hpp"
 #include "daemon/threads/streams.hpp"
+#include "estimator/graph/mapper.hpp"
 
 namespace slamd {
 
 class MappingThread {
  public:
-  /// All must outlive it.
-  MappingThread(Streams& streams, MapStore& map, TrajectoryStore& trajectory)
-      : streams_{streams}, map_{map}, trajectory_{trajectory} {}
+  /// Streams and stores must outlive it.
+  MappingThread(Mapper mapper, Streams& streams, MapStore& map, TrajectoryStore& trajectory)
+      : mapper_{std::move(mapper)}, streams_{streams}, map_{map}, trajectory_{trajectory} {}
 
   /// The thread's body: returns soon after a stop request, with the streams empty.
   void run(const std::stop_token& stop);
 
   /// Any thread. Fixes that carried a position.
   std::uint64_t fixes() const { return fixes_.load(std::memory_order_relaxed); }
+  /// Any thread. Solves of the graph that moved the map, and closures in the newest one.
+  std::uint64_t solves() const { return solves_.load(std::memory_order_relaxed); }
+  std::uint64_t closures() const { return closures_.load(std::memory_order_relaxed); }
 
  private:
   void drain();
+  void take(const Keyframe& keyframe);
+  void solve(const std::stop_token& stop);
 
+  Mapper mapper_;
   Streams& streams_;
   MapStore& map_;
   TrajectoryStore& trajectory_;
-  std::atomic<std::uint64_t> fixes_{0};
+  std::atomic<std::uint64_t> fixes_{0}, solves_{0}, closures_{0};
 };
 
 }  // namespace slamd

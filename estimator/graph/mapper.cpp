@@ -38,8 +38,8 @@ void Mapper::add(const GnssFix& fix) {
 bool Mapper::solve(const Cancelled& cancelled) {
   if (keyframes_.empty()) return false;
   const bool asked = ask_sources();
-  pending_ = pending_ || asked || grown();
-  return pending_ && solve_whole(cancelled);
+  pending_ = pending_ || asked || grown(config_.resolve_growth, kLeastGrowth);
+  return pending_ && grown(config_.closure_growth, 1.0) && solve_whole(cancelled);
 }
 
 bool Mapper::finish() {
@@ -55,9 +55,9 @@ bool Mapper::ask_sources() {
   return closed || positioned;
 }
 
-bool Mapper::grown() const {
+bool Mapper::grown(double share, double at_least) const {
   const double solved = static_cast<double>(solution_->keyframes.size());
-  return static_cast<double>(keyframes_.size()) > solved + std::max(kLeastGrowth, config_.resolve_growth * solved);
+  return static_cast<double>(keyframes_.size()) >= solved + std::max(at_least, share * solved);
 }
 
 bool Mapper::solve_whole(const Cancelled& cancelled) {

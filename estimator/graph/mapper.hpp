@@ -17,7 +17,8 @@ namespace slamd {
 struct MapperConfig {
   MapGraphConfig graph;
   int max_iterations = 30;     // of one solve
-  double resolve_growth = 0.1;  // without closures and GPS, gravity alone is solved for when the drive has grown by this share
+  double closure_growth = 0.01;  // the drive grows by this share between two solves that closures or GPS ask for
+  double resolve_growth = 0.1;   // and by this one when only gravity does
 };
 
 class Mapper {
@@ -32,8 +33,8 @@ class Mapper {
   /// Asked often while solve() works; true = stop soon. Empty: never.
   using Cancelled = std::function<bool()>;
 
-  /// Searches for closures and solves the whole graph if a closure, GPS or growth asks for it, from where it is. True when
-  /// solution() is a new one. When cancelled, what was reached is kept for the next call but not published.
+  /// Searches for closures and solves the whole graph if a closure, GPS or growth asks for it, from where it is; so that the
+  /// cost of a drive stays linear, not before the drive has grown by config.closure_growth. True when solution() is a new one. When cancelled, what was reached is kept for the next call but not published.
   bool solve(const Cancelled& cancelled = {});
 
   /// Solves whatever is open, to the end: for the last solution of a drive. True when there is one.
@@ -51,7 +52,7 @@ class Mapper {
 
  private:
   bool ask_sources();
-  bool grown() const;
+  bool grown(double share, double at_least) const;
   bool solve_whole(const Cancelled& cancelled);
   void publish(const MapGraphSolve& solve);
 

@@ -35,7 +35,7 @@ struct G2oWords<GroupSe3> {
   /// A quaternion of norm far from 1 is no rotation that somebody meant.
   static bool valid(std::span<const double> v) {
     const double norm = Eigen::Vector4d{v[3], v[4], v[5], v[6]}.norm();
-    return norm > 0.5 && norm < 2.0;
+    return norm > 0.5 && norm < 1.5;
   }
   static Pose element(std::span<const double> v) { return GroupSe3::load(v.data()); }
   static void values(const Pose& T, std::span<double> v) { GroupSe3::store(T, v.data()); }

@@ -6,6 +6,7 @@
 
 #include "daemon/config/config.hpp"
 #include "daemon/store/cloud_file.hpp"
+#include "tools/slam-replay/back_end_output.hpp"
 #include "tools/slam-replay/replay.hpp"
 
 namespace {
@@ -68,11 +69,15 @@ int run(const Options& options) {
     return kBadDrive;
   }
   replay::Output output{options.out};
-  replay::Replay replay{config.value.vehicle, config.value.odometry, config.value.map};
+  BackEndConfig& back_end = config.value.back_end;
+  back_end.use_loops = back_end.use_loops && !options.no_loops;
+  replay::Replay replay{config.value.vehicle, config.value.odometry, config.value.map,
+                        make_mapper(back_end, config.value.vehicle)};
   Progress progress{"replay", 1.0, options.quiet};
   replay.run(drive, output, progress, !options.no_map);
   replay::Report report = replay.report();
-  const bool written = output.finish() && write_map(replay, output.path("map.pcd"), report.map_points) &&
+  const bool written = output.finish() && (options.no_map || replay::write_back_end(replay, options.out)) &&
+                       write_map(replay, output.path("map.pcd"), report.map_points) &&
                        write_text(to_json(report, replay.times(), drive, replay.stats()), output.path("report.json"));
   if (!written) {
     std::fprintf(stderr, "slam-replay: %s: cannot write there (permission? disk full?)\n", options.out.c_str());
@@ -88,14 +93,14 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Runs a recorded drive through slamd's estimator as fast as possible.\n"
-               "Writes odom.tum (one pose a scan), imu_rate.tum, covariance.csv, map.pcd and report.json."};
+               "Writes odom.tum and map.tum (one pose a scan), imu_rate.tum, covariance.csv, closures.csv, map.pcd, report.json."};
   app.add_option("DRIVE", options.drive, "drive folder: lidar.pcap, imu.csv, gps.csv, vehicle.yaml; or a recording of slamd")->required();
   app.add_option("--config", options.config, "slamd.yaml; without it the recording's own, else the defaults");
   app.add_option("--out", options.out, "folder for the results, made when missing")->required();
   app.add_option("--set", options.overrides, "key=value over the configuration, may be repeated");
   app.add_flag("--no-gps", options.no_gps, "leave gps.csv unread");
-  app.add_flag("--no-loops", options.no_loops, "no loop closure (there is none in this version)");
-  app.add_flag("--no-map", options.no_map, "keep no keyframes: no map.pcd, and the memory is the front end's alone");
+  app.add_flag("--no-loops", options.no_loops, "no loop closure");
+  app.add_flag("--no-map", options.no_map, "no back end and no map: no map.tum, no map.pcd, and the memory is the front end's alone");
   app.add_flag("--quiet", options.quiet, "no progress bar");
   CLI11_PARSE(app, argc, argv);
   return run(options);

@@ -2,9 +2,11 @@
 
 namespace slamd::replay {
 
-Replay::Replay(const VehicleGeometry& vehicle, const OdometryConfig& odometry, const MapStoreConfig& map)
+Replay::Replay(const VehicleGeometry& vehicle, const OdometryConfig& odometry, const MapStoreConfig& map,
+               Mapper mapper)
     : odometry_{vehicle, odometry},
       predictor_{vehicle, odometry.dead_reckoning, odometry.imu},
+      mapper_{std::move(mapper)},
       map_{map, vehicle.T_base_lidar} {
   odometry_.set_stage_listener(&times_);
 }
@@ -19,6 +21,7 @@ void Replay::run(Drive& drive, Output& output, Progress& progress, bool with_map
   // Nothing more will come: the last scan's deadline passes.
   odometry_.advance(last_ + std::chrono::milliseconds{200});
   step(output);
+  if (with_map_) finish_map();
   report_.drive = last_ - first_;
   report_.wall = std::chrono::steady_clock::now() - begin;
 }
@@ -39,6 +42,7 @@ bool Replay::take(const Event& event, Output& output) {
   } else if (const auto* fix = std::get_if<GnssFix>(&event)) {
     note(fix->arrival);
     ++report_.fixes;
+    if (with_map_) mapper_.add(*fix);
   } else if (const auto* silence = std::get_if<Silence>(&event)) {
     odometry_.advance(silence->until);
   }
@@ -66,15 +70,30 @@ void Replay::keep(const ScanResult& result, Output& output) {
   if (!result.has_scan) return;
   ++report_.scans;
   output.scan(state);
-  if (!result.is_keyframe) return;
+  if (with_map_) path_.push_back({state.time, state.T_odom_base});
+  if (result.is_keyframe) keep_keyframe(result, output);
+}
+
+void Replay::keep_keyframe(const ScanResult& result, Output& output) {
   keyframe_.id = report_.keyframes++;
-  keyframe_.state = state;
+  keyframe_.state = result.state;
   keyframe_.relative_covariance = result.relative_covariance;
   keyframe_.up_base = result.up.up_base;
   keyframe_.up_sigma_rad = result.up.sigma_rad;
   keyframe_.points = odometry_.keyframe_points();
   output.keyframe(keyframe_);
-  if (with_map_) map_.add(keyframe_);
+  if (!with_map_) return;
+  mapper_.add(keyframe_);
+  map_.add(keyframe_);
+  mapper_.solve();
+}
+
+void Replay::finish_map() {
+  mapper_.finish();
+  std::vector<KeyframePose> moved;
+  for (const KeyframeEstimate& keyframe : mapper_.keyframes()) moved.push_back({moved.size(), keyframe.T_map_base});
+  map_.move(moved);
+  report_.solution = mapper_.solution();
 }
 
 }  // namespace slamd::replay

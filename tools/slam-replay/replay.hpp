@@ -1,7 +1,11 @@
 #pragma once
 // One recorded drive through the estimator, as fast as possible. The same code as the daemon's threads run, in one thread.
 
+#include <vector>
+
 #include "daemon/store/map_store.hpp"
+#include "daemon/store/trajectory_store.hpp"
+#include "estimator/graph/mapper.hpp"
 #include "estimator/odometry/lidar_inertial_odometry.hpp"
 #include "estimator/odometry/pose_predictor.hpp"
 #include "tools/progress/progress.hpp"
@@ -13,24 +17,32 @@ namespace slamd::replay {
 
 class Replay {
  public:
-  Replay(const VehicleGeometry& vehicle, const OdometryConfig& odometry, const MapStoreConfig& map);
+  Replay(const VehicleGeometry& vehicle, const OdometryConfig& odometry, const MapStoreConfig& map, Mapper mapper);
 
-  /// Runs the whole drive. Without the map its memory is the front end's alone.
+  /// Runs the whole drive, the back end to its last optimisation. Without the map there is no back end either, and the
+  /// memory is the front end's alone.
   void run(Drive& drive, Output& output, Progress& progress, bool with_map);
 
   const Report& report() const { return report_; }
   const StageTimes& times() const { return times_; }
   OdometryStats stats() const { return odometry_.stats(); }
   const MapStore& map() const { return map_; }
+  const Mapper& mapper() const { return mapper_; }
+  /// One pose a scan, as in odom.tum; none without the map.
+  const std::vector<StampedPose>& path() const { return path_; }
 
  private:
   bool take(const Event& event, Output& output);
   void step(Output& output);
   void keep(const ScanResult& result, Output& output);
+  void keep_keyframe(const ScanResult& result, Output& output);
+  void finish_map();
 
   LidarInertialOdometry odometry_;
   PosePredictor predictor_;
+  Mapper mapper_;
   MapStore map_;
+  std::vector<StampedPose> path_;
   StageTimes times_;
   Report report_;
   HostTime first_, last_;

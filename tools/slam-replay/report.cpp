@@ -105,6 +105,15 @@ Json rejections(const Drive& drive, const OdometryStats& stats) {
   return out;
 }
 
+Json back_end(const GraphSolution& solution) {
+  return {{"solves", solution.changes},       {"closures", solution.closures},     {"positions", solution.positions},
+          {"objective", solution.objective}, {"iterations", solution.iterations}, {"converged", solution.converged}};
+}
+
+Json origin(const EnuOrigin& enu) {
+  return {{"lat_deg", enu.latitude_deg}, {"lon_deg", enu.longitude_deg}, {"ellipsoid_height_m", enu.ellipsoid_height_m}};
+}
+
 }  // namespace
 
 std::string to_json(const Report& report, const StageTimes& times, const Drive& drive, const OdometryStats& stats) {
@@ -129,6 +138,8 @@ std::string to_json(const Report& report, const StageTimes& times, const Drive& 
   const Matrix6d& p = report.last.covariance;
   out["final_sigma"] = {{"position_m", {std::sqrt(p(0, 0)), std::sqrt(p(1, 1)), std::sqrt(p(2, 2))}},
                         {"attitude_rad", {std::sqrt(p(3, 3)), std::sqrt(p(4, 4)), std::sqrt(p(5, 5))}}};
+  if (report.solution != nullptr) out["back_end"] = back_end(*report.solution);
+  if (report.solution != nullptr && report.solution->enu_valid) out["enu_origin"] = origin(report.solution->enu_origin);
   return out.dump(1) + "\n";
 }
 

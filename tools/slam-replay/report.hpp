@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "daemon/health/histogram.hpp"
+#include "estimator/graph/graph_solution.hpp"
 #include "estimator/odometry/lidar_inertial_odometry.hpp"
 #include "estimator/types/stage.hpp"
 #include "tools/slam-replay/drive.hpp"
@@ -51,6 +52,7 @@ struct Report {
   Duration wall{};                 // the replay took, without writing the map
   std::vector<StatusChange> status;
   NavState last;
+  std::shared_ptr<const GraphSolution> solution;  // the last one; null without the back end
 };
 
 /// report.json as text; see README.md for the keys.

@@ -1,0 +1,18 @@
+#pragma once
+// The back end as the daemon and slam-replay use it: which parts it has, their configuration, and a mapper made of them.
+
+#include "estimator/graph/loop_closer.hpp"
+#include "estimator/graph/mapper.hpp"
+
+namespace slamd {
+
+struct BackEndConfig {
+  MapperConfig mapper;
+  bool use_loops = true;
+  LoopCloserConfig loops;
+};
+
+/// A mapper with the parts that the configuration asks for.
+Mapper make_mapper(const BackEndConfig& config, const VehicleGeometry& vehicle);
+
+}  // namespace slamd

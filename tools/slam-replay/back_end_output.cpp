@@ -1,0 +1,50 @@
+#include "tools/slam-replay/back_end_output.hpp"
+
+#include <array>
+#include <cstdio>
+
+#include "estimator/graph/correction.hpp"
+
+namespace slamd::replay {
+namespace {
+
+/// T_a_map is identity for map.tum, T_enu_map for enu.tum.
+bool write_path(const Replay& replay, const Pose& T_a_map, const std::string& path) {
+  std::ofstream out{path};
+  const GraphSolution& solution = *replay.mapper().solution();
+  for (const StampedPose& pose : replay.path()) {
+    write_tum(out, pose.time, T_a_map * corrected_pose(solution, pose.time, pose.T_odom_base));
+  }
+  out.flush();
+  return out.good();
+}
+
+void write_row(std::ostream& out, const LoopCandidateReport& report) {
+  std::array<char, 320> text;
+  std::snprintf(text.data(), text.size(), "%llu,%llu,%d,%d,%.3f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f\n",
+                static_cast<unsigned long long>(report.from), static_cast<unsigned long long>(report.to),
+                static_cast<int>(report.ended_at), report.by_appearance ? 1 : 0, report.distance_m,
+                report.descriptor_distance, report.fitness, report.overlap, report.free_space_share,
+                report.odometry_chi2, report.consistency_chi2, report.graph_weight);
+  out << text.data();
+}
+
+bool write_closures(const Replay& replay, const std::string& path) {
+  std::ofstream out{path};
+  out << "from,to,ended_at,by_appearance,distance_m,descriptor_distance,fitness,overlap,free_space_share,odometry_chi2,"
+         "consistency_chi2,graph_weight\n";
+  for (const LoopCandidateReport& report : replay.mapper().loop_reports()) write_row(out, report);
+  out.flush();
+  return out.good();
+}
+
+}  // namespace
+
+bool write_back_end(const Replay& replay, const std::string& folder) {
+  const GraphSolution& solution = *replay.mapper().solution();
+  const bool written = write_path(replay, {}, folder + "/map.tum") && write_closures(replay, folder + "/closures.csv");
+  if (!solution.enu_valid) return written;
+  return written && write_path(replay, solution.enu.T_enu_map(), folder + "/enu.tum");
+}
+
+}  // namespace slamd::replay
