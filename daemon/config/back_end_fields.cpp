@@ -6,9 +6,11 @@ std::vector<Field> back_end_fields(BackEndConfig& c) {
   MapGraphConfig& graph = c.mapper.graph;
   return {
       {"graph.use_loops", &c.use_loops, "", {}, "search for places seen before and close loops"},
+      {"graph.use_gps", &c.use_gps, "", {}, "align the map in ENU, and correct it where GPS contradicts it"},
       {"graph.gravity_sigma_rad", &graph.gravity_sigma_rad, "rad", {1e-4, 1}, "of a keyframe's direction of gravity, at least"},
       {"graph.gravity_correlation", &graph.gravity_correlation, "", {1, 1e4}, "keyframes that share one error of gravity"},
       {"graph.closure_phi", &graph.closure_phi, "", {0.1, 1e4}, "chi2 of a closure from which on it counts less"},
+      {"graph.closure_correlation", &graph.closure_correlation, "", {1, 100}, "neighbouring closures that share one error"},
       {"graph.position_phi", &graph.position_phi, "", {0.1, 1e4}, "likewise of a GPS position"},
       {"graph.max_iterations", &c.mapper.max_iterations, "", {1, 1000}, "of one solve"},
       {"graph.closure_growth", &c.mapper.closure_growth, "", {0, 10},

@@ -1,6 +1,7 @@
 #include "daemon/threads/mapping_thread.hpp"
 
 #include "daemon/server/host_clock.hpp"
+#include "daemon/threads/map_correction.hpp"
 #include "daemon/threads/pause.hpp"
 
 namespace slamd {
@@ -38,15 +39,13 @@ void MappingThread::take(const Keyframe& keyframe) {
 void MappingThread::solve(const std::stop_token& stop) {
   const HostTime deadline = host_now() + kSolveBudget;
   const std::size_t patience = streams_.keyframes.capacity() / 2;
+  const std::shared_ptr<const GraphSolution> before = mapper_.solution();
   const bool solved = mapper_.solve([&] {
     return stop.stop_requested() || host_now() > deadline || streams_.keyframes.counts().size > patience;
   });
   if (!solved) return;
   const std::shared_ptr<const GraphSolution> solution = mapper_.solution();
-  std::vector<KeyframePose> moved;
-  moved.reserve(solution->keyframes.size());
-  for (const KeyframeEstimate& keyframe : solution->keyframes) moved.push_back({moved.size(), keyframe.T_map_base});
-  map_.move(moved);
+  correct_map(*solution, *before, map_);
   streams_.T_map_odom.store(solution->T_map_odom);
   closures_.store(solution->closures, std::memory_order_relaxed);
   solves_.fetch_add(1, std::memory_order_relaxed);

@@ -1,6 +1,7 @@
 #pragma once
 // The back end as the daemon and slam-replay use it: which parts it has, their configuration, and a mapper made of them.
 
+#include "estimator/graph/gnss_alignment.hpp"
 #include "estimator/graph/loop_closer.hpp"
 #include "estimator/graph/mapper.hpp"
 
@@ -10,6 +11,8 @@ struct BackEndConfig {
   MapperConfig mapper;
   bool use_loops = true;
   LoopCloserConfig loops;
+  bool use_gps = true;
+  GnssAlignmentConfig gps;
 };
 
 /// A mapper with the parts that the configuration asks for.

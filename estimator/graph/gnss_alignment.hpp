@@ -38,7 +38,7 @@ class GnssAlignment final : public PositionSource {
   void weigh(std::span<const double> weights) override;
 
   /// One a fix, in order of arrival.
-  std::span<const FixReport> reports() const { return reports_; }
+  std::span<const FixReport> reports() const override { return reports_; }
   /// On top of the latency that the driver took off already.
   GnssLatency latency() const;
   GnssTrust trust(HostTime now) const { return latch_.trust(now); }

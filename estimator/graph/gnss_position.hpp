@@ -23,6 +23,25 @@ struct GnssPosition {
   Eigen::Vector3d sigma_m = Eigen::Vector3d::Ones();     // east, north, up; a height that is not valid has a large one
 };
 
+/// What became of a fix. Numbers are those of gps.csv and never reused.
+enum class FixVerdict : std::uint8_t {
+  kAccepted = 0,
+  kStale = 1,        // the receiver repeats itself
+  kQuality = 2,      // no fix, dead reckoning, or weaker than the configuration permits
+  kUntied = 3,       // no two keyframes close enough around it: at rest, before the start, after a gap
+  kUnaligned = 4,    // before the yaw between map and ENU was known; judged again later
+  kInnovation = 5,   // beyond the gate
+  kDistrusted = 6,   // inside the gate, but the source failed too long before and has not yet earned trust again
+};
+
+struct FixReport {
+  HostTime time;
+  FixVerdict verdict = FixVerdict::kUntied;
+  double chi2 = 0.0;         // of the horizontal innovation, 2 degrees of freedom; NaN where it did not come so far
+  double innovation_m = 0.0;  // horizontal
+  double sigma_m = 0.0;       // as the driver believed
+};
+
 /// Turns fixes into positions. Called by the mapper alone, one thread; deterministic.
 class PositionSource {
  public:
@@ -42,6 +61,8 @@ class PositionSource {
   virtual EnuOrigin origin() const = 0;
   /// After each solve: robust weight of each of positions(), in their order, 0..1.
   virtual void weigh(std::span<const double> weights) = 0;
+  /// One a fix, in order of arrival, with its verdict.
+  virtual std::span<const FixReport> reports() const = 0;
 };
 
 }  // namespace slamd

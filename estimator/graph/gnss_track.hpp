@@ -12,25 +12,6 @@
 
 namespace slamd {
 
-/// What became of a fix. Numbers are those of gps.csv and never reused.
-enum class FixVerdict : std::uint8_t {
-  kAccepted = 0,
-  kStale = 1,        // the receiver repeats itself
-  kQuality = 2,      // no fix, dead reckoning, or weaker than the configuration permits
-  kUntied = 3,       // no two keyframes close enough around it: at rest, before the start, after a gap
-  kUnaligned = 4,    // before the yaw between map and ENU was known; judged again later
-  kInnovation = 5,   // beyond the gate
-  kDistrusted = 6,   // inside the gate, but the source failed too long before and has not yet earned trust again
-};
-
-struct FixReport {
-  HostTime time;
-  FixVerdict verdict = FixVerdict::kUntied;
-  double chi2 = 0.0;         // of the horizontal innovation, 2 degrees of freedom; NaN where it did not come so far
-  double innovation_m = 0.0;  // horizontal
-  double sigma_m = 0.0;       // as the driver believed
-};
-
 /// A fix between keyframes `keyframe` and `keyframe + 1`.
 struct TiedFix {
   std::size_t report = 0;    // index of its FixReport

@@ -45,7 +45,8 @@ class MapGraph::Problem {
         variables_{graph.poses_, std::vector<bool>(graph.poses_.size(), false)} {
     add_chain(graph);
     for (const LoopClosure& closure : constraints.closures) {
-      const Edge<GroupSe3> edge{closure.from, closure.to, closure.T_from_to, information_of(closure.covariance)};
+      const Matrix6d covariance = graph.config_.closure_correlation * closure.covariance;
+      const Edge<GroupSe3> edge{closure.from, closure.to, closure.T_from_to, information_of(covariance)};
       closures_.push_back(variables_.add(edge, RotationError::kLog, &closure_loss_));
     }
     if (!constraints.enu) return;

@@ -19,6 +19,7 @@ struct MapGraphConfig {
   double gravity_sigma_rad = 0.003;   // at least, of a keyframe's direction of gravity: model error of the filter
   double gravity_correlation = 20.0;  // this many keyframes share one error of gravity
   double closure_phi = 12.6;          // chi2 of a closure from which on it counts less (95 % of 6 degrees of freedom)
+  double closure_correlation = 4.0;   // neighbouring closures share so much of their sub-maps that so many have one error
   double position_phi = 7.8;          // likewise of a GPS position (95 % of 3)
 };
 

@@ -101,6 +101,10 @@ void Mapper::publish(const MapGraphSolve& solve) {
   solution_ = std::move(next);
 }
 
+std::span<const FixReport> Mapper::fix_reports() const {
+  return positions_ ? positions_->reports() : std::span<const FixReport>{};
+}
+
 std::span<const LoopCandidateReport> Mapper::loop_reports() const {
   return loops_ ? loops_->reports() : std::span<const LoopCandidateReport>{};
 }

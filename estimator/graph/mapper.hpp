@@ -48,6 +48,8 @@ class Mapper {
 
   /// Every candidate of the search for loops so far; empty without one.
   std::span<const LoopCandidateReport> loop_reports() const;
+  /// Every fix so far; empty without GPS.
+  std::span<const FixReport> fix_reports() const;
   std::uint64_t rejected_keyframes() const { return rejected_; }
 
  private:

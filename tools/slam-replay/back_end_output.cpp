@@ -38,11 +38,25 @@ bool write_closures(const Replay& replay, const std::string& path) {
   return out.good();
 }
 
+bool write_fixes(const Replay& replay, const std::string& path) {
+  std::ofstream out{path};
+  out << "t_ns,verdict,chi2,innovation_m,sigma_m\n";
+  for (const FixReport& report : replay.mapper().fix_reports()) {
+    std::array<char, 160> text;
+    std::snprintf(text.data(), text.size(), "%lld,%d,%.4f,%.4f,%.3f\n", static_cast<long long>(to_ns(report.time)),
+                  static_cast<int>(report.verdict), report.chi2, report.innovation_m, report.sigma_m);
+    out << text.data();
+  }
+  out.flush();
+  return out.good();
+}
+
 }  // namespace
 
 bool write_back_end(const Replay& replay, const std::string& folder) {
   const GraphSolution& solution = *replay.mapper().solution();
-  const bool written = write_path(replay, {}, folder + "/map.tum") && write_closures(replay, folder + "/closures.csv");
+  const bool written = write_path(replay, {}, folder + "/map.tum") && write_closures(replay, folder + "/closures.csv") &&
+                       write_fixes(replay, folder + "/gps.csv");
   if (!solution.enu_valid) return written;
   return written && write_path(replay, solution.enu.T_enu_map(), folder + "/enu.tum");
 }

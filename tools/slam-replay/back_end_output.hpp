@@ -1,5 +1,5 @@
 #pragma once
-// The files of the back end, written when the drive is over: map.tum, enu.tum, closures.csv. The map itself is main.cpp's.
+// The files of the back end, written when the drive is over: map.tum, enu.tum, closures.csv, gps.csv. The map itself is main.cpp's.
 
 #include <string>
 

@@ -1,5 +1,7 @@
 #include "tools/slam-replay/replay.hpp"
 
+#include "daemon/threads/map_correction.hpp"
+
 namespace slamd::replay {
 
 Replay::Replay(const VehicleGeometry& vehicle, const OdometryConfig& odometry, const MapStoreConfig& map,
@@ -84,15 +86,14 @@ void Replay::keep_keyframe(const ScanResult& result, Output& output) {
   output.keyframe(keyframe_);
   if (!with_map_) return;
   mapper_.add(keyframe_);
-  map_.add(keyframe_);
-  mapper_.solve();
+  map_.add(keyframe_, mapper_.solution()->T_map_odom);
+  const std::shared_ptr<const GraphSolution> before = mapper_.solution();
+  if (mapper_.solve()) correct_map(*mapper_.solution(), *before, map_);
 }
 
 void Replay::finish_map() {
-  mapper_.finish();
-  std::vector<KeyframePose> moved;
-  for (const KeyframeEstimate& keyframe : mapper_.keyframes()) moved.push_back({moved.size(), keyframe.T_map_base});
-  map_.move(moved);
+  const std::shared_ptr<const GraphSolution> before = mapper_.solution();
+  if (mapper_.finish()) correct_map(*mapper_.solution(), *before, map_);
   report_.solution = mapper_.solution();
 }
 
