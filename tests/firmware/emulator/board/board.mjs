@@ -35,12 +35,15 @@ export class Board {
   #bus = new TwoWireBus(this.sensor, this.faults);
   #image;
   #flashId;
+  #timerStart;
   #onAttach = () => {};
   #pendingReset = null;
 
-  constructor({ image = firmwareUnderTest(), flashId = FLASH_ID } = {}) {
+  /** timerStart: microseconds that the timer shows at power-on, as if the board had run so long. */
+  constructor({ image = firmwareUnderTest(), flashId = FLASH_ID, timerStart = 0 } = {}) {
     this.#image = image;
     this.#flashId = flashId;
+    this.#timerStart = timerStart;
     this.sensor.onDataReady((level) => this.chip?.rp2040.gpio[INT1_PIN].setInputValue(level));
   }
 
@@ -55,7 +58,7 @@ export class Board {
 
   powerOn() {
     this.sensor.powerOn();
-    this.#start(freshMemory(), 'power');
+    this.#start({ ...freshMemory(), ticks: this.#timerStart }, 'power');
   }
 
   /** The reset button: everything but SRAM starts anew. */

@@ -17,11 +17,12 @@ export class Watchdog extends Registers {
   #tick = { enabled: false, cycles: 0, since: 0, count: 0 };
   #onTickChange = () => {};
 
-  /** `kept` = { scratch, reason }: survives every reset but that of the RUN pin. onBite(reason) restarts the chip. */
+  /** `kept` = { scratch, reason, ticks }: scratch survives every reset but that of the RUN pin. onBite(reason) restarts the chip. */
   constructor(rp2040, clock, kept, onBite) {
     super(rp2040, 'WATCHDOG');
     this.#clock = clock;
     this.#onBite = onBite;
+    this.#tick.count = kept.ticks ?? 0;
     this.#alarm = clock.createAlarm(() => this.#bite(1));
     this.reads.set(0x00, () => this.#control | (this.#remaining() & 0xffffff));
     this.writes.set(0x00, (value) => this.#writeControl(value));

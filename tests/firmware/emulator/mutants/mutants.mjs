@@ -49,6 +49,7 @@ export const mutants = [
   mutant('stamp by the loop instead of the interrupt', 'core/sensor.cpp', 'sample.stamp = reading_.stamp;', 'sample.stamp = now;', 'stream', '10 s of samples'),
   mutant('interrupts masked while the loop works', 'main.cpp', '      pass(now);\n',
     '      asm volatile("cpsid i");\n      pass(now);\n      asm volatile("cpsie i");\n', 'stream', 'stamps stay true'),
+  mutant('stamp of 32 bits', 'board/interrupts.cpp', 'static_cast<std::uint32_t>(stamp >> 32U)', '0', 'stream', 'stamps go on'),
   mutant('edge of data-ready not cleared', 'board/interrupts.cpp', '  reg(io_bank::event(kDataReadyPin)) = io_bank::edge_rise(kDataReadyPin);\n  Mailbox',
     '  Mailbox', 'stream', '10 s of samples'),
   mutant('wrong polynomial of the CRC', 'protocol/crc16.hpp', 'x << 5U', 'x << 6U', 'stream', '10 s of samples'),

@@ -163,6 +163,18 @@ test('stamps stay true while the host asks for everything at once', () => {
   assertWell(board, port);
 });
 
+test('stamps go on when the lower half of the timer wraps, after 71 minutes', () => {
+  const board = new Board({ timerStart: 2 ** 32 - 1.5e6 });
+  board.sensor.motion = lively;
+  board.powerOn();
+  const port = new SerialPort(board).plugIn();
+  const samples = port.collect(3 * SECOND);
+  assert.ok(samples[0].deviceUs < 2 ** 32 && samples.at(-1).deviceUs > 2 ** 32 + 1e6);
+  assertConsecutive(samples);
+  assertStampsTrue(board, samples);
+  assertWell(board, port);
+});
+
 test('suspend and resume: sampling went on, the stream goes on', () => {
   const { board, port } = streaming();
   const before = port.collect(SECOND).at(-1);
