@@ -1,5 +1,5 @@
-// Deliberate faults of the firmware: in `file` (under firmware/) the text `find`, which stands there once, becomes `replace`, and
-// the test `test` of test/FILE.test.mjs has to fail. What each one shows is in its name.
+// Deliberate faults of the firmware: in `file` (under firmware/) the text `find`, which stands there once (however it is spaced),
+// becomes `replace`, and the test `test` of test/SUITE.test.mjs has to fail. What each one is stands in its name.
 
 const mutant = (name, file, find, replace, suite, test) => ({ name, file, find, replace, suite, test });
 

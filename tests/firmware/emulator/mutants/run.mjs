@@ -37,6 +37,8 @@ function buildCommands() {
   return lines.filter((line) => line.includes(`cd ${built} `));
 }
 
+const escaped = (text) => text.replace(/[.*+?^${}()|[\]\\]/g, '\\$&');
+
 /** A copy of the sources with the fault in it; returns its folder. */
 function plant(mutant, folder) {
   rmSync(folder, { recursive: true, force: true });
@@ -45,9 +47,10 @@ function plant(mutant, folder) {
   cpSync(built, join(folder, 'out'), { recursive: true });
   const path = join(folder, 'firmware', mutant.file);
   const text = readFileSync(path, 'utf8');
-  const times = text.split(mutant.find).length - 1;
+  const found = new RegExp(escaped(mutant.find).replace(/\s+/g, '\\s+'), 'g'); // however the sources are formatted
+  const times = text.match(found)?.length ?? 0;
   if (times !== 1) throw new Error(`the text stands ${times} times in ${mutant.file}`);
-  writeFileSync(path, text.replace(mutant.find, () => mutant.replace));
+  writeFileSync(path, text.replace(found, () => mutant.replace));
 }
 
 async function make(mutant, folder, commands) {
@@ -63,10 +66,10 @@ async function make(mutant, folder, commands) {
 
 /** Whether the named test fails on the image, and it alone was run. */
 async function caught(mutant, image) {
-  const escaped = mutant.test.replace(/[.*+?^${}()|[\]\\]/g, '\\$&');
-  const { output } = await run(process.execPath, ['--test', '--test-reporter=tap', `--test-name-pattern=^${escaped}`,
+  const name = escaped(mutant.test);
+  const { output } = await run(process.execPath, ['--test', '--test-reporter=tap', `--test-name-pattern=^${name}`,
     `test/${mutant.suite}.test.mjs`], { cwd: package_, env: { ...process.env, SLAMD_FIRMWARE: image } });
-  return new RegExp(`^ *not ok \\d+ - ${escaped}`, 'm').test(output);
+  return new RegExp(`^ *not ok \\d+ - ${name}`, 'm').test(output);
 }
 
 async function judge(mutant, index, commands) {
