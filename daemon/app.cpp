@@ -113,7 +113,7 @@ void App::register_probes() {
   };
   const std::string lidar_device = "udp:" + config_.lidar.bind_address + ":" + std::to_string(config_.lidar.port);
   add_source("lidar", [=, this] { return device(lidar_device, source_health(lidar_.report(), host_now())); });
-  add_source("imu", [=, this] { return device(config_.imu.serial.path, source_health(imu_.report(), host_now())); });
+  add_source("imu", [=, this] { return device(device_name(config_.imu.source), source_health(imu_.report(), host_now())); });
   add_source("gnss", [=, this] { return device(config_.gnss.serial.path, source_health(gnss_.report(), host_now())); });
 
   add_ring("lidar", [this] { return streams_->lidar.counts(); });

@@ -18,7 +18,9 @@ ConfigFaults contradictions(const std::string& name, const Config& c) {
   demand(c.vlp16.min_range_m < c.vlp16.max_range_m, "lidar.min_range_m", "must be below lidar.max_range_m");
   demand(c.lidar.port != c.lidar.position_port, "lidar.position_port", "must differ from lidar.port");
   demand(c.nmea.noise.sigma_min_m <= c.nmea.noise.sigma_max_m, "gnss.sigma_min_m", "must not exceed gnss.sigma_max_m");
-  demand(c.imu.serial.path != c.gnss.serial.path || c.imu.serial.path.empty(), "gnss.device",
+  const ImuSourceConfig& imu = c.imu.source;
+  demand(is_imu_source(imu.kind), "imu.source", "must be serial or usb");
+  demand(imu.kind != "serial" || imu.serial.path != c.gnss.serial.path || imu.serial.path.empty(), "gnss.device",
          "must differ from imu.device");
   const SegmenterConfig& segments = c.odometry.scans.assembler.segmenter;
   demand(segments.min_range_m < segments.max_range_m, "odometry.scan.min_range_m",

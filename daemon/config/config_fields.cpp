@@ -39,8 +39,15 @@ Fields lidar_fields(LidarThreadConfig& t, Vlp16Config& d) {
 
 Fields imu_fields(ImuThreadConfig& t, ImuFrameParser::Config& d) {
   return {
-      {"imu.device", &t.serial.path, "", kAnyText, "tty or pty of the IMU; empty = there is none"},
-      {"imu.baud_rate", &t.serial.baud, "Bd", {1200, 4'000'000}, "ignored by USB"},
+      {"imu.source",
+       &t.source.kind,
+       "",
+       {3, 6},
+       "serial = through the tty; usb = from the board's endpoint, without one"},
+      {"imu.device", &t.source.serial.path, "", kAnyText, "for serial: tty or pty of the IMU; empty = there is none"},
+      {"imu.usb_serial", &t.source.usb_serial, "", kAnyText,
+       "for usb: serial number of the board; empty = the first one"},
+      {"imu.baud_rate", &t.source.serial.baud, "Bd", {1200, 4'000'000}, "ignored by USB"},
       {"imu.silence_s", &t.silence, "s", {0.005, 1}, "without samples for so long the pose is carried on without them"},
       {"imu.latency_s", &d.clock.min_latency, "s", kLatency, "smallest delay from the measurement to its arrival"},
   };

@@ -10,12 +10,22 @@ namespace {
 
 using nlohmann::json;
 
+json clock_json(const ClockHealth& clock) {
+  return {{"locked", clock.locked},
+          {"skew_ppm", clock.skew_ppm},
+          {"skew_sigma_ppm", clock.skew_sigma_ppm},
+          {"sigma_us", clock.sigma_s * 1e6},
+          {"jumps", clock.jumps}};
+}
+
 json source_json(const SourceHealth& health, double rate_hz, HostTime now) {
   json object = {{"device", health.device}, {"state", health.state},   {"received", health.received},
                  {"lost", health.lost},     {"rate_hz", rate_hz},      {"age_s", nullptr},
                  {"rejected", json::object()}};
   if (health.received > 0) object["age_s"] = to_seconds(now - health.last_arrival);
   for (const auto& [cause, count] : health.rejected) object["rejected"][cause] = count;
+  for (const auto& [event, count] : health.events) object["events"][event] = count;
+  if (health.clock) object["clock"] = clock_json(*health.clock);
   return object;
 }
 

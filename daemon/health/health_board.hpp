@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,6 +18,15 @@
 
 namespace slamd {
 
+/// How well the device's clock is known.
+struct ClockHealth {
+  bool locked = false;
+  double skew_ppm = 0.0;  // device seconds are this much shorter than the host's
+  double skew_sigma_ppm = 0.0;
+  double sigma_s = 0.0;      // of a sample's host time
+  std::uint32_t jumps = 0;  // of either clock, resets of the device among them
+};
+
 /// What a probe says of one sensor. Counts are totals since the start.
 struct SourceHealth {
   HostTime last_arrival;          // of the newest good item; only meaningful when received > 0
@@ -25,6 +35,8 @@ struct SourceHealth {
   std::string device{};            // "udp:0.0.0.0:2368", "/dev/ttyACM0"
   std::string state{};            // one word, e.g. "healthy", "absent"
   std::vector<std::pair<std::string, std::uint64_t>> rejected{};  // by cause
+  std::vector<std::pair<std::string, std::uint64_t>> events{};    // what happened, e.g. "resets"
+  std::optional<ClockHealth> clock{};                             // of devices with a clock
 };
 
 class HealthBoard {

@@ -6,11 +6,22 @@
 #include "daemon/server/host_clock.hpp"
 
 namespace slamd {
+namespace {
+
+ClockHealth clock_health(const ClockSync& clock) {
+  return {.locked = clock.locked(),
+          .skew_ppm = clock.skew_ppm(),
+          .skew_sigma_ppm = clock.skew_sigma_ppm(),
+          .sigma_s = to_seconds(clock.sigma()),
+          .jumps = clock.jumps()};
+}
+
+}  // namespace
 
 ImuThread::ImuThread(const ImuThreadConfig& config, const ImuFrameParser::Config& frames, PosePredictor predictor,
                      Streams& streams, PosePublisher& publisher)
     : config_{config},
-      source_{config.serial},
+      source_{make_imu_source(config.source)},
       parser_{frames},
       predictor_{std::move(predictor)},
       streams_{streams},
@@ -18,7 +29,7 @@ ImuThread::ImuThread(const ImuThreadConfig& config, const ImuFrameParser::Config
 
 void ImuThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    const SourceRead read = source_.read(config_.silence);
+    const SourceRead read = source_->read(config_.silence);
     if (!read.bytes.empty()) now_.last_bytes = read.arrival;
     if (tap_ != nullptr) tap_->take({.payload = read.bytes, .arrival = read.arrival, .source = {}});
     take_posterior();
@@ -55,9 +66,9 @@ void ImuThread::publish(const NavState& state) {
 
 void ImuThread::tell() {
   now_.parser = parser_.stats();
-  now_.serial = source_.stats();
-  now_.device_open = source_.is_open();
-  now_.clock_locked = parser_.clock().locked();
+  now_.source = source_->stats();
+  now_.device_open = source_->is_open();
+  now_.clock = clock_health(parser_.clock());
   report_.store(now_);
 }
 

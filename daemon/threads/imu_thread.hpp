@@ -3,21 +3,23 @@
 // also while a scan is being fused. Real-time; when the IMU is silent it publishes the pose all the same.
 
 #include <cstdint>
+#include <memory>
 #include <stop_token>
 
+#include "daemon/health/health_board.hpp"
 #include "daemon/health/histogram.hpp"
 #include "daemon/ring/latest_value.hpp"
 #include "daemon/server/pose_publisher.hpp"
 #include "daemon/threads/recorder.hpp"
 #include "daemon/threads/streams.hpp"
 #include "drivers/imu/imu_frame_parser.hpp"
-#include "drivers/io/serial_source.hpp"
+#include "drivers/imu/imu_source.hpp"
 #include "estimator/odometry/pose_predictor.hpp"
 
 namespace slamd {
 
 struct ImuThreadConfig {
-  SerialSourceConfig serial{.path = "/dev/ttyACM0"};
+  ImuSourceConfig source;
   Duration silence = std::chrono::milliseconds{20};  // without samples for so long the pose is carried on without them
 };
 
@@ -26,9 +28,9 @@ struct ImuReport {
   HostTime last_arrival;  // of the newest sample; only meaningful when parser.samples > 0
   HostTime last_bytes;    // of the newest bytes, whatever they were
   ImuStats parser;
-  SourceStats serial;
+  SourceStats source;
   bool device_open = false;
-  bool clock_locked = false;
+  ClockHealth clock;
 };
 
 class ImuThread {
@@ -55,7 +57,7 @@ class ImuThread {
   void tell();
 
   const ImuThreadConfig config_;
-  SerialSource source_;
+  std::unique_ptr<ByteSource> source_;
   ImuFrameParser parser_;
   PosePredictor predictor_;
   Streams& streams_;

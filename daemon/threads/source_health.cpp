@@ -44,8 +44,14 @@ SourceHealth source_health(const ImuReport& report, HostTime now) {
   add_rejected(health, "repeated", report.parser.repeated);
   add_rejected(health, "implausible_stamp", report.parser.implausible);
   add_rejected(health, "sensor_fault", report.parser.sensor_faults);
+  health.events = {{"gaps", report.parser.gaps},
+                   {"resets", report.parser.resets},
+                   {"clipped", report.parser.clipped},
+                   {"dropped_at_device", report.parser.dropped_at_device},
+                   {"unplugged", report.source.losses}};
+  if (report.parser.samples > 0) health.clock = report.clock;
   const bool samples = is_fresh(health.received, report.last_arrival, now, kSilentAfter);
-  const bool bytes = is_fresh(report.serial.bytes, report.last_bytes, now, kSilentAfter);
+  const bool bytes = is_fresh(report.source.bytes, report.last_bytes, now, kSilentAfter);
   health.state = !report.device_open ? "absent" : samples ? "healthy" : bytes ? "refused" : "silent";
   return health;
 }

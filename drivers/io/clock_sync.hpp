@@ -36,6 +36,8 @@ class ClockSync {
 
   /// Device seconds are this much shorter than the host's: d(host)/d(device) = 1 + skew_ppm * 1e-6.
   double skew_ppm() const { return (rate_ - 1.0) * 1e6; }
+  /// One standard deviation of the skew; without meaning before the first update().
+  double skew_sigma_ppm() const { return envelope_.line().skew_sigma * 1e6; }
   /// One standard deviation of to_host() at the last update, without the unknown part of min_latency.
   Duration sigma() const;
   /// Width of the arrival jitter as learnt so far.

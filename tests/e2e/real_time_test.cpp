@@ -28,7 +28,7 @@ Config config_in(const TemporaryFolder& folder) {
   config.lidar.bind_address = "127.0.0.1";
   config.lidar.port = kLidarPort;
   config.lidar.position_port = kPositionPort;
-  config.imu.serial.path = folder.file("imu");
+  config.imu.source.serial.path = folder.file("imu");
   config.gnss.serial.path = folder.file("gnss");
   config.server.socket_path = folder.file("slamd.sock");
   config.server.save_dir = folder.file("");

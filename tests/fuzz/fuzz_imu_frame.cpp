@@ -1,11 +1,14 @@
 // IMU byte stream: any bytes. Properties: a frame that comes out stood in the stream byte for byte; a frame that is
-// sent after any garbage and a delimiter is found; samples are finite.
+// sent after any garbage and a delimiter is found, without that delimiter the one after it; a running stream that was
+// disturbed gives samples again, and only those that were sent; samples are finite.
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <vector>
 
 #include "drivers/imu/imu_frame_parser.hpp"
+#include "drivers/imu/imu_scale.hpp"
 #include "tests/support/imu_frames.hpp"
 
 namespace {
@@ -48,6 +51,49 @@ void check_samples(std::span<const std::uint8_t> stream) {
   }
 }
 
+/// Whatever came before, without a delimiter of its own: at most the first of two frames is lost.
+void check_resync(std::span<const std::uint8_t> stream) {
+  ImuFrameParser parser;
+  for (const std::uint8_t byte : stream) parser.take(byte);
+  const bool clean = stream.empty() || stream.back() == kImuFrameDelimiter;
+  ImuFrame frame;
+  for (frame.sequence = 1; frame.sequence <= 2; ++frame.sequence) {
+    std::optional<ImuFrame> found;
+    for (const std::uint8_t byte : encode(frame)) found = parser.take(byte);
+    require((found && *found == frame) || (frame.sequence == 1 && !clean));
+  }
+}
+
+/// A running stream, 200 Hz, with `disturbance` in its middle: truncated, merged or replaced frames. The bytes may hold
+/// whole frames with stamps of their own, which the parser may take for a reset of the device: the third frame behind
+/// them gives a sample at the latest, and it has the counts that were sent.
+void check_recovery(std::span<const std::uint8_t> disturbance, std::size_t cut) {
+  ImuFrameParser parser;
+  HostTime arrival{std::chrono::seconds{1}};
+  std::optional<ImuSample> sample;
+  const auto give = [&](std::span<const std::uint8_t> bytes) {
+    sample.reset();
+    arrival += std::chrono::milliseconds{5};
+    parser.feed(bytes, arrival, [&](const ImuSample& s) { sample = s; });
+  };
+  ImuFrame frame;
+  const auto next_wire = [&frame] {
+    ++frame.sequence;
+    frame.device_us += 5000;
+    frame.gyro[0] = static_cast<std::int16_t>(frame.sequence);
+    return encode(frame);
+  };
+  for (int i = 0; i < 4; ++i) {
+    give(next_wire());
+    require(sample.has_value());
+  }
+  const auto broken = next_wire();
+  give(std::span{broken}.first(cut % broken.size()));
+  give(disturbance);
+  for (int i = 0; i < 3; ++i) give(next_wire());
+  require(sample && std::abs(sample->gyro_rads.x() - frame.gyro[0] * kGyroRadsPerLsb) < 1e-9);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* input, std::size_t size) {
@@ -56,6 +102,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* input, std::size_t siz
   check_frames(parser, stream);
   check_found_after(parser, frame_of(stream));
   check_samples(stream);
+  check_resync(stream);
+  check_recovery(stream, size > 0 ? input[0] : 0);
 
   // the input's bytes between frames of its own: garbage, cuts and merges around the real thing
   std::vector<std::uint8_t> mixed;

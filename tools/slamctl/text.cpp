@@ -32,12 +32,22 @@ double number(const json& object, const char* key) {
   return found != object.end() && found->is_number() ? found->get<double>() : std::nan("");
 }
 
+/// Indented below its sensor; nothing for sensors without a clock.
+std::string clock_line(const json& source) {
+  const auto clock = source.find("clock");
+  if (clock == source.end()) return "";
+  return format("           clock skew %.2f +- %.2f ppm, sigma %.1f us%s\n", number(*clock, "skew_ppm"),
+                number(*clock, "skew_sigma_ppm"), number(*clock, "sigma_us"),
+                clock->value("locked", false) ? "" : ", not locked yet");
+}
+
 std::string source_line(const std::string& name, const json& source) {
   double rejected = 0.0;
   for (const json& count : source.at("rejected")) rejected += count.get<double>();
   return format("  %-8s %-9s %8.1f /s  age %6.3f s  lost %.0f  rejected %.0f  %s\n", name.c_str(),
                 source.at("state").get<std::string>().c_str(), number(source, "rate_hz"), number(source, "age_s"),
-                number(source, "lost"), rejected, source.at("device").get<std::string>().c_str());
+                number(source, "lost"), rejected, source.at("device").get<std::string>().c_str()) +
+         clock_line(source);
 }
 
 std::string stage_line(const std::string& name, const json& stage) {
