@@ -35,7 +35,7 @@ TEST(SourceHealth, AnImuIsAbsentSilentRefusedOrHealthy) {
   EXPECT_EQ(source_health(report, at_s(10)).state, "absent");
   report.device_open = true;
   EXPECT_EQ(source_health(report, at_s(10)).state, "silent");
-  report.serial.bytes = 100;
+  report.source.bytes = 100;
   report.last_bytes = at_s(10);
   EXPECT_EQ(source_health(report, at_s(10)).state, "refused");
   report.parser.samples = 3;

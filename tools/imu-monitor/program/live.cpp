@@ -7,12 +7,15 @@
 #include <iomanip>
 
 #include "drivers/io/reopen_timer.hpp"
+#include "tools/imu-monitor/board_query.hpp"
 #include "tools/imu-monitor/live_window.hpp"
 
 namespace slamd::monitor {
 namespace {
 
 constexpr Duration kLinePeriod = std::chrono::seconds{1};
+constexpr Duration kAnswerTime = std::chrono::seconds{3};
+constexpr Duration kSelfTestTime = std::chrono::seconds{10};
 constexpr Duration kReadTimeout = std::chrono::milliseconds{100};
 
 std::atomic<bool> interrupted{false};
@@ -45,6 +48,27 @@ std::string silence(const ByteSource& source, const ImuFrameParser& parser, std:
 }
 
 }  // namespace
+
+int query(const ImuSourceConfig& config, bool self_test) {
+  const std::unique_ptr<ByteSource> board = make_imu_source(config);
+  const std::optional<OpenedPacket> identity = ask(*board, CommandCode::kIdentity, kAnswerTime);
+  const std::optional<OpenedPacket> statistics = ask(*board, CommandCode::kStatistics, kAnswerTime);
+  if (!identity || !statistics || !read_identity(*identity) || !read_statistics(*statistics)) {
+    std::fprintf(stderr, "imu-monitor: %s\n", board->is_open() ? "the board does not answer" : "no board there");
+    return 1;
+  }
+  std::fputs((identity_text(*read_identity(*identity)) + statistics_text(*read_statistics(*statistics))).c_str(),
+             stdout);
+  if (!self_test) return 0;
+  const std::optional<OpenedPacket> answer = ask(*board, CommandCode::kSelfTest, kSelfTestTime);
+  const std::optional<SelfTestReport> report = answer ? read_self_test(*answer) : std::nullopt;
+  if (!report) {
+    std::fprintf(stderr, "imu-monitor: no result of the self-test\n");
+    return 1;
+  }
+  std::fputs(self_test_text(*report).c_str(), stdout);
+  return report->outcome == SelfTestOutcome::kPassed ? 0 : 1;
+}
 
 int watch(const LiveOptions& options) {
   std::signal(SIGINT, on_interrupt);

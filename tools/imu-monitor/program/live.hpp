@@ -13,6 +13,9 @@ struct LiveOptions {
   std::string record_path;  // imu.csv to write; empty = none
 };
 
+/// Prints what the board says of itself, with `self_test` that result too. Exit code: 0 it answered, and passed; 1 not.
+int query(const ImuSourceConfig& source, bool self_test);
+
 /// Exit code: 0 samples came; 1 none did, or the recording could not be written.
 int watch(const LiveOptions& options);
 

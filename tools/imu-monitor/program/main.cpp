@@ -19,7 +19,8 @@ Noise figures for slamd.yaml: let the board lie still for some hours, away from 
   imu-monitor --seconds 14400 --record rest.csv
   imu-monitor --allan rest.csv --plot allan.png
 
-exit codes: 0 samples came, or the figures are printed; 1 none came, or a file cannot be written; 2 wrong command line or file)";
+exit codes: 0 samples came, the board answered and passed, the figures are printed; 1 not so, or a file cannot be written;
+2 wrong command line or file)";
 
 int print_allan(const std::string& path, const std::string& picture) {
   std::ifstream file{path};
@@ -47,11 +48,15 @@ int run(int argc, char** argv) {
   std::string allan;
   std::string picture;
   bool usb = false;
+  bool board = false;
+  bool self_test = false;
   app.add_option("DEVICE", live.source.serial.path, "tty or pty of the board")->capture_default_str();
   app.add_flag("--usb", usb, "read the board's USB endpoint instead, without a tty");
   app.add_option("--serial", live.source.usb_serial, "with --usb: the board with this serial number")->needs("--usb");
   app.add_option("--seconds", live.seconds, "stop after so long; 0 = at Ctrl-C")->check(CLI::NonNegativeNumber);
   app.add_option("--record", live.record_path, "write the samples to this imu.csv as well");
+  app.add_flag("--board", board, "print the board's identity and its counters, and stop");
+  app.add_flag("--self-test", self_test, "the same, and the sensor's built-in self-test; keep the board still");
   auto* allan_option = app.add_option("--allan", allan, "evaluate this imu.csv of a board at rest; no board needed");
   app.add_option("--plot", picture, "with --allan: draw the curves into this PNG")->needs(allan_option);
   try {
@@ -60,7 +65,8 @@ int run(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   if (usb) live.source.kind = "usb";
-  return allan.empty() ? watch(live) : print_allan(allan, picture);
+  if (!allan.empty()) return print_allan(allan, picture);
+  return board || self_test ? query(live.source, self_test) : watch(live);
 }
 
 }  // namespace
