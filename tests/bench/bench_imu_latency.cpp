@@ -35,7 +35,7 @@ Config config_in(const test::TemporaryFolder& folder) {
   config.lidar.bind_address = "127.0.0.1";
   config.lidar.port = kLidarPort;
   config.lidar.position_port = kLidarPort + 1;
-  config.imu.serial.path = folder.file("imu");
+  config.imu.source.serial.path = folder.file("imu");
   config.gnss.serial.path = folder.file("gnss");
   config.server.socket_path = folder.file("slamd.sock");
   return config;
