@@ -1,5 +1,7 @@
 """A USB with ports for device models: sysfs and device nodes of a umockdev test bed. Run under umockdev-wrapper."""
+import atexit
 import os
+import shutil
 import struct
 
 from usbfs import UsbfsNode, Stall  # first: it names the version of UMockdev
@@ -61,6 +63,7 @@ class Bus:
 
     def __init__(self):
         self.testbed = UMockdev.Testbed.new()
+        atexit.register(shutil.rmtree, self.testbed.get_root_dir(), ignore_errors=True)
         self.next_number = 2
         self.plugged = {}  # port -> (device, sysfs path)
 
