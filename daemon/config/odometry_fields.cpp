@@ -41,13 +41,19 @@ Fields drift_fields(MapDriftConfig& c) {
       {"odometry.drift.first_tilt_rad", &c.first_tilt_rad, "rad", {0, 1}, "of a map just begun"},
       {"odometry.drift.first_heading_rad", &c.first_heading_rad, "rad", {0, 1}, "likewise"},
       {"odometry.drift.first_position_m", &c.first_position_m, "m", {0, 10}, "likewise"},
+      {"odometry.drift.moving_velocity_share", &c.moving_velocity_share, "", {0, 1},
+       "scans alone tell a velocity to so much of itself"},
+      {"odometry.drift.moving_skew_s", &c.moving_skew_s, "s", {0, 10}, "a map begun while moving takes it in for so long"},
+      {"odometry.drift.moving_lever_m", &c.moving_lever_m, "m", {0.1, 1000}, "so far displaced it is turned by a radian"},
   };
 }
 
 Fields moving_start_fields(VelocitySearchConfig& c) {
   return {
       {"odometry.moving_start.scans", &c.scans, "", kCount, "fused ones until velocity is known"},
-      {"odometry.moving_start.found_sigma_mps", &c.found_sigma_mps, "m/s", kSigma, "of velocity after those scans"},
+      {"odometry.moving_start.found_sigma_mps", &c.found_sigma_mps, "m/s", kSigma, "of velocity by each of those scans"},
+      {"odometry.moving_start.settling_scans", &c.settling_scans, "", kCount,
+       "fused after those, then the map begins anew"},
       {"odometry.moving_start.limit_s", &c.limit_s, "s", kSeconds, "velocity not found in this time: LOST until it is"},
       {"odometry.moving_start.max_unfused", &c.max_unfused, "", kCount,
        "scans in a row; then the search goes on from the newest one"},

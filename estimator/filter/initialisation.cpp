@@ -16,16 +16,6 @@ void set_variance(ErrorCovariance& p, int index, int size, double sigma) {
   p.diagonal().segment(index, size).setConstant(squared(sigma));
 }
 
-/// Base at the origin with the given tilt: position of the IMU follows from the lever arm.
-InertialState level_state(const Eigen::Quaterniond& R_odom_imu, const Pose& T_base_imu, const Pose& T_imu_lidar) {
-  InertialState state;
-  state.R_odom_imu = R_odom_imu;
-  const Eigen::Quaterniond R_odom_base = R_odom_imu * T_base_imu.rotation.conjugate();
-  state.p_odom_imu = R_odom_base * T_base_imu.translation;
-  state.T_imu_lidar = T_imu_lidar;
-  return state;
-}
-
 /// R_odom_imu with odom's z along `up_imu` and the base's x axis in odom's x-z plane.
 Eigen::Quaterniond attitude_from_up(const Eigen::Vector3d& up_imu, const Pose& T_base_imu) {
   const Eigen::Vector3d up_base = T_base_imu.rotation * up_imu.normalized();
@@ -50,6 +40,14 @@ void couple_gravity(const InertialState& state, double bias_sigma, double noise_
   p.block<3, 2>(I::kAccelBias, I::kGravity) = p.block<2, 3>(I::kGravity, I::kAccelBias).transpose();
 }
 
+InertialState state_at(const Pose& T_odom_imu, const Pose& T_imu_lidar) {
+  InertialState state;
+  state.R_odom_imu = T_odom_imu.rotation;
+  state.p_odom_imu = T_odom_imu.translation;
+  state.T_imu_lidar = T_imu_lidar;
+  return state;
+}
+
 ErrorCovariance first_covariance(double velocity, double gyro_bias) {
   ErrorCovariance p = ErrorCovariance::Zero();
   p.diagonal().head<6>().setConstant(kTinyVariance);
@@ -59,6 +57,12 @@ ErrorCovariance first_covariance(double velocity, double gyro_bias) {
 }
 
 }  // namespace
+
+Pose level_pose(const Eigen::Vector3d& up_imu, const Pose& T_base_imu) {
+  const Eigen::Quaterniond R_odom_imu = attitude_from_up(up_imu, T_base_imu);
+  const Eigen::Quaterniond R_odom_base = R_odom_imu * T_base_imu.rotation.conjugate();
+  return {R_odom_imu, R_odom_base * T_base_imu.translation};
+}
 
 void Initialisation::add(const ImuSample& sample) {
   if (count_ > 0 && sample.time <= reading(count_ - 1).time) clear();
@@ -107,7 +111,7 @@ InitialState Initialisation::state(HostTime time, const Pose& T_base_imu, const 
   const Eigen::Vector3d& force = accel.mean;
   out.filter.time = time;
   InertialState& state = out.filter.state;
-  state = level_state(attitude_from_up(force, T_base_imu), T_base_imu, T_imu_lidar);
+  state = state_at(level_pose(force, T_base_imu), T_imu_lidar);
   out.filter.covariance =
       out.at_rest ? first_covariance(config_.rest_velocity_mps, config_.rest_gyro_bias_rads)
                   : first_covariance(config_.moving_velocity_mps, config_.moving_gyro_bias_rads);
@@ -128,7 +132,7 @@ InitialState initial_state_without_imu(HostTime time, const InitialisationConfig
                                        const Pose& T_imu_lidar) {
   InitialState out;
   out.filter.time = time;
-  out.filter.state = level_state(T_base_imu.rotation, T_base_imu, T_imu_lidar);
+  out.filter.state = state_at(T_base_imu, T_imu_lidar);
   out.filter.covariance = first_covariance(config.moving_velocity_mps, config.moving_gyro_bias_rads);
   couple_gravity(out.filter.state, config.accel_bias_mps2, config.moving_accel_noise_mps2, out.filter.covariance);
   return out;

@@ -70,6 +70,9 @@ class Initialisation {
   std::size_t count_ = 0;
 };
 
+/// Of the IMU when base is at the origin of odom, odom's z along up_imu (any length) and yaw zero.
+Pose level_pose(const Eigen::Vector3d& up_imu, const Pose& T_base_imu);
+
 /// The state when there is no IMU at all: level, at rest, everything uncertain.
 InitialState initial_state_without_imu(HostTime time, const InitialisationConfig& config, const Pose& T_base_imu,
                                        const Pose& T_imu_lidar);

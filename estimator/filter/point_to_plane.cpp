@@ -20,30 +20,49 @@ void PointToPlane::associate(std::span<const MeasuredPoint> points, const Inerti
   }
 }
 
+namespace {
+
+/// Where the sensor was, as matrices, and what a point at one place says of the states.
+struct Geometry {
+  Eigen::Matrix3d R_odom_imu, R_imu_lidar;
+  Eigen::Vector3d t_imu_lidar, p_odom_imu;
+  bool with_extrinsic;
+
+  /// d(direction . p_odom)/d(error): linear in `direction` (odom).
+  MeasuredVector gradient(const Eigen::Vector3d& p_lidar, const Eigen::Vector3d& p_imu,
+                          const Eigen::Vector3d& direction) const {
+    MeasuredVector h = MeasuredVector::Zero();
+    const Eigen::Vector3d direction_imu = R_odom_imu.transpose() * direction;
+    h.segment<3>(I::kAttitude) = p_imu.cross(direction_imu);
+    h.segment<3>(I::kPosition) = direction;
+    if (with_extrinsic) {
+      h.segment<3>(I::kExtrinsicRotation) = p_lidar.cross(R_imu_lidar.transpose() * direction_imu);
+      h.segment<3>(I::kExtrinsicTranslation) = direction_imu;
+    }
+    return h;
+  }
+};
+
+Geometry geometry(const InertialState& state, bool with_extrinsic) {
+  return {state.R_odom_imu.toRotationMatrix(), state.T_imu_lidar.rotation.toRotationMatrix(),
+          state.T_imu_lidar.translation, state.p_odom_imu, with_extrinsic};
+}
+
+}  // namespace
+
 Linearisation PointToPlane::linearise(const InertialState& state, const Matrix6d& pose_covariance,
                                       bool with_extrinsic) const {
   Linearisation out;
-  const Eigen::Matrix3d R_odom_imu = state.R_odom_imu.toRotationMatrix();
-  const Eigen::Matrix3d R_imu_lidar = state.T_imu_lidar.rotation.toRotationMatrix();
+  const Geometry at = geometry(state, with_extrinsic);
   for (const Match& match : matches_) {
     const Eigen::Vector3d p_lidar = match.p_lidar.cast<double>();
-    const Eigen::Vector3d p_imu = R_imu_lidar * p_lidar + state.T_imu_lidar.translation;
-    const Eigen::Vector3d p_odom = R_odom_imu * p_imu + state.p_odom_imu;
+    const Eigen::Vector3d p_imu = at.R_imu_lidar * p_lidar + at.t_imu_lidar;
+    const Eigen::Vector3d p_odom = at.R_odom_imu * p_imu + at.p_odom_imu;
     const Eigen::Vector3d normal = match.plane.normal.cast<double>();
-    const double residual = normal.dot(p_odom - match.plane.centre.cast<double>());
-
-    MeasuredVector h = MeasuredVector::Zero();
-    const Eigen::Vector3d normal_imu = R_odom_imu.transpose() * normal;
-    h.segment<3>(I::kAttitude) = p_imu.cross(normal_imu);
-    h.segment<3>(I::kPosition) = normal;
-    if (with_extrinsic) {
-      h.segment<3>(I::kExtrinsicRotation) = p_lidar.cross(R_imu_lidar.transpose() * normal_imu);
-      h.segment<3>(I::kExtrinsicTranslation) = normal_imu;
-    }
-    const double point_variance = config_.range_sigma_m * config_.range_sigma_m / match.returns;
-    const double variance = std::max<double>(point_variance, match.plane.variance_m2) +
-                            match.plane.height_variance(p_odom.cast<float>()) +
-                            config_.floor_sigma_m * config_.floor_sigma_m;
+    const Eigen::Vector3d from_centre = p_odom - match.plane.centre.cast<double>();
+    const double residual = normal.dot(from_centre);
+    const MeasuredVector h = at.gradient(p_lidar, p_imu, normal);
+    const double variance = residual_variance(match, p_odom.cast<float>());
     const double prior_variance = h.head<6>().dot(pose_covariance * h.head<6>());
     const double gate2 = config_.gate_sigmas * config_.gate_sigmas * (variance + prior_variance);
     ++out.matched;
@@ -57,9 +76,18 @@ Linearisation PointToPlane::linearise(const InertialState& state, const Matrix6d
     out.normal_noise += faked;
     out.normal_noise_rotation += faked * p_imu.squaredNorm();
     out.information.noalias() += weight * h * h.transpose();
-    out.gradient.noalias() += weight * residual * h;
+    // A normal that is tilted by e adds e to h and e . from_centre to the residual: on average their product pulls the
+    // point towards the centre, which is where the map's rings are and not where the sensor is.
+    const Eigen::Vector3d pull = match.plane.normal_covariance(from_centre);
+    out.gradient.noalias() += weight * (residual * h - at.gradient(p_lidar, p_imu, pull));
   }
   return out;
+}
+
+double PointToPlane::residual_variance(const Match& match, const Eigen::Vector3f& p_odom) const {
+  const double point = config_.range_sigma_m * config_.range_sigma_m / match.returns;
+  return std::max<double>(point, match.plane.variance_m2) + match.plane.height_variance(p_odom) +
+         config_.floor_sigma_m * config_.floor_sigma_m;
 }
 
 }  // namespace slamd

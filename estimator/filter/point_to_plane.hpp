@@ -52,6 +52,8 @@ class PointToPlane {
     float returns;
     Plane plane;
   };
+  double residual_variance(const Match& match, const Eigen::Vector3f& p_odom) const;
+
   PointToPlaneConfig config_;
   std::vector<Match> matches_;
 };

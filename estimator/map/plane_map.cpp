@@ -27,6 +27,13 @@ float Plane::height_variance(const Eigen::Vector3f& p) const {
   return variance_m2 / points * (1.0F + along_major * along_major / major_m2 + along_minor * along_minor / minor_m2);
 }
 
+Eigen::Vector3d Plane::normal_covariance(const Eigen::Vector3d& d) const {
+  const Eigen::Vector3d major = axis_major.cast<double>();
+  const Eigen::Vector3d minor = major.cross(normal.cast<double>());
+  const double noise = variance_m2 / points;
+  return noise * (major.dot(d) / major_m2 * major + minor.dot(d) / minor_m2 * minor);
+}
+
 PlaneMap::PlaneMap(const PlaneMapConfig& config)
     : config_{config},
       reach_m_{config.max_distance_m},

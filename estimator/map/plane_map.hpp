@@ -43,6 +43,8 @@ struct Plane {
 
   /// Variance of the plane's height at p, from its points' noise: grows outside of them. m^2.
   float height_variance(const Eigen::Vector3f& p) const;
+  /// Covariance of the normal times d: the normal's noise lies in the plane.
+  Eigen::Vector3d normal_covariance(const Eigen::Vector3d& d) const;
   /// Variance of the normal's tilt about the worse axis, rad^2.
   float tilt_variance() const { return variance_m2 / (points * minor_m2); }
 };

@@ -1,14 +1,30 @@
 #include "estimator/odometry/map_drift.hpp"
 
-#include "estimator/math/lie.hpp"
-
 namespace slamd {
+
+using I = ErrorIndex;
+
+namespace {
+
+double squared(double x) { return x * x; }
+
+}  // namespace
 
 Matrix6d first_drift(const MapDriftConfig& config) {
   Matrix6d drift = Matrix6d::Zero();
-  const auto squared = [](double x) { return x * x; };
   drift.diagonal() << Eigen::Vector3d::Constant(squared(config.first_position_m)), squared(config.first_tilt_rad),
       squared(config.first_tilt_rad), squared(config.first_heading_rad);
+  return drift;
+}
+
+Matrix6d skew_drift(const MapDriftConfig& config, const FilterSnapshot& filter) {
+  const double velocity = filter.covariance.block<3, 3>(I::kVelocity, I::kVelocity).trace() / 3.0 +
+                          squared(config.moving_velocity_share) * filter.state.v_odom_imu.squaredNorm();
+  const double rate = filter.covariance.block<3, 3>(I::kGyroBias, I::kGyroBias).trace() / 3.0;
+  const double displaced = squared(config.moving_skew_s) * velocity;
+  const double turned = squared(config.moving_skew_s) * rate + displaced / squared(config.moving_lever_m);
+  Matrix6d drift = Matrix6d::Zero();
+  drift.diagonal() << Eigen::Vector3d::Constant(displaced), Eigen::Vector3d::Constant(turned);
   return drift;
 }
 

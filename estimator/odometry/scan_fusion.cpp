@@ -1,5 +1,6 @@
 #include "estimator/odometry/scan_fusion.hpp"
 
+#include "estimator/filter/odom_frame.hpp"
 #include "estimator/odometry/base_state.hpp"
 
 namespace slamd {
@@ -42,26 +43,28 @@ void ScanFusion::absorb(const UpdateSummary& update, FilterSnapshot& filter) {
   const bool overdue = velocity_search_.is_overdue(filter.time);
   if (!first) ++(update.fused ? stats_.fused : stats_.unfused);
   unfused_ = update.fused || first ? 0 : unfused_ + 1;
-  if (searching && update.fused) velocity_search_.keep_velocity(update, filter);
+  const bool skewed = searching && update.fused && velocity_search_.fused(update, filter);
   const std::uint32_t patience = searching ? velocity_search_.max_unfused() : config_.max_unfused_scans;
   const bool gives_up = makes_map && unfused_ > patience;
   restarted_ = gives_up || (overdue && !velocity_search_.is_on());
   if (restarted_) ++stats_.map_restarts;
-  if (first || gives_up || (searching && update.fused)) begin_map(searching || !odom_is_told_, filter);
+  const NewMap new_map{.defines_odom = searching || !odom_is_told_, .moving = skewed || gives_up};
+  if (first || gives_up || skewed) begin_map(new_map, filter);
   if (unfused_ == 0) registration_.insert(filter.state);
   odom_is_told_ = true;
 }
 
 /// Forgets the local map. What the pose does not know of itself from now on is the new map's own uncertainty; a map that
 /// defines odom has none but its own tilt.
-void ScanFusion::begin_map(bool defines_odom, FilterSnapshot& filter) {
+void ScanFusion::begin_map(const NewMap& map, FilterSnapshot& filter) {
   registration_.clear_map();
   relation_.keep_before_new_map(filter);
   const Matrix6d so_far = base_state(filter, T_base_imu_).covariance;
+  const Eigen::Vector3d up_imu = filter.state.R_odom_imu.conjugate() * -filter.state.gravity;
+  define_odom(map.defines_odom ? level_pose(up_imu, T_base_imu_) : filter.state.T_odom_imu(), filter);
   filter.map_covariance = first_drift(config_.map_drift);
-  if (!defines_odom) filter.map_covariance += so_far;
-  filter.covariance.topRows<6>().setZero();
-  filter.covariance.leftCols<6>().setZero();
+  if (map.moving) filter.map_covariance += skew_drift(config_.map_drift, filter);
+  if (!map.defines_odom) filter.map_covariance += so_far;
   unfused_ = 0;
 }
 

@@ -50,7 +50,11 @@ class ScanFusion {
 
  private:
   void absorb(const UpdateSummary& update, FilterSnapshot& filter);
-  void begin_map(bool defines_odom, FilterSnapshot& filter);
+  struct NewMap {
+    bool defines_odom;   // no pose was told yet that it could contradict
+    bool moving;         // its first scans are skewed
+  };
+  void begin_map(const NewMap& map, FilterSnapshot& filter);
 
   Pose T_base_imu_;
   ScanFusionConfig config_;

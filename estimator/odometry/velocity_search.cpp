@@ -6,11 +6,19 @@ using I = ErrorIndex;
 
 void VelocitySearch::begin(const FilterSnapshot& initial) {
   initial_ = initial;
-  left_ = config_.scans;
+  left_ = config_.scans + config_.settling_scans;
 }
 
-void VelocitySearch::keep_velocity(const UpdateSummary& update, FilterSnapshot& filter) {
+bool VelocitySearch::fused(const UpdateSummary& update, FilterSnapshot& filter) {
   --left_;
+  const bool unknown = left_ >= config_.settling_scans;
+  if (unknown) keep_velocity(update, filter);
+  return unknown || left_ == 0;
+}
+
+/// What skewed scans teach of biases and gravity is not kept; velocity stays unknown along the direction that the scan
+/// leaves free.
+void VelocitySearch::keep_velocity(const UpdateSummary& update, FilterSnapshot& filter) const {
   filter.state.gyro_bias = initial_.state.gyro_bias;
   filter.state.accel_bias = initial_.state.accel_bias;
   filter.state.gravity = initial_.state.gravity;

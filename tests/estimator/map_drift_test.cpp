@@ -43,6 +43,18 @@ TEST(MapDrift, AtRestNothingDrifts) {
   EXPECT_LT((carry_drift(MapDriftConfig{}, drift, T_odom_base, T_odom_base) - drift).norm(), 1e-18);
 }
 
+TEST(MapDrift, AMapBegunWhileMovingIsWorthLessTheLessTheVelocityIsKnown) {
+  const MapDriftConfig config{.moving_velocity_share = 0.01, .moving_skew_s = 0.5, .moving_lever_m = 50.0};
+  FilterSnapshot filter;
+  EXPECT_EQ(skew_drift(config, filter), Matrix6d::Zero()) << "at rest and sure of it";
+  filter.covariance.diagonal().segment<3>(ErrorIndex::kVelocity).setConstant(0.04);
+  const Matrix6d unsure = skew_drift(config, filter);
+  EXPECT_NEAR(std::sqrt(unsure(0, 0)), 0.1, 1e-12);
+  EXPECT_NEAR(std::sqrt(unsure(3, 3)), 0.1 / 50.0, 1e-12);
+  filter.state.v_odom_imu = {10.0, 0.0, 0.0};
+  EXPECT_GT(skew_drift(config, filter)(0, 0), unsure(0, 0));
+}
+
 TEST(MapDrift, TheWalkGrowsWithTheRootOfTheDistanceWhateverItsSteps) {
   const MapDriftConfig config{.position_m_rtm = 1e-3, .attitude_rad_rtm = 0.0};
   for (const int steps : {10, 1'000}) {
