@@ -202,5 +202,29 @@ TEST(PlaneMap, WhatIsFarFromTheVehicleIsForgotten) {
   EXPECT_EQ(map.size(), 0U);
 }
 
+/// Planes fitted to few noisy points of a floor: the spread of their normals is what they say of themselves, and the mean
+/// of n (n . d) over them is the true normal's plus normal_covariance(d).
+TEST(PlaneNoise, TheNormalsSpreadAsTheirCovarianceSays) {
+  test::Random random{9};
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero(), claimed = Eigen::Matrix3d::Zero();
+  constexpr int kRuns = 400;
+  for (int run = 0; run < kRuns; ++run) {
+    PlaneMapConfig config;
+    config.max_voxels = 1'000;
+    PlaneMap map{config};
+    for (int i = 0; i < 60; ++i) {
+      const double x = test::uniform(random, 0.0, 0.59), y = test::uniform(random, 0.01, 0.59);
+      map.insert(Eigen::Vector3d{x, y, 0.3 + test::normal(random, 0.02)}.cast<float>());
+    }
+    const Plane* plane = map.plane_at({0.3F, 0.25F, 0.3F});
+    ASSERT_NE(plane, nullptr);
+    const Eigen::Vector3d e = plane->normal.cast<double>() * (plane->normal.z() > 0.0F ? 1.0 : -1.0) - Eigen::Vector3d::UnitZ();
+    spread += e * e.transpose() / kRuns;
+    for (int k = 0; k < 3; ++k) claimed.col(k) += plane->normal_covariance(Eigen::Vector3d::Unit(k)) / kRuns;
+  }
+  EXPECT_NEAR(claimed(0, 0) / spread(0, 0), 1.0, 0.25);
+  EXPECT_NEAR(claimed(1, 1) / spread(1, 1), 1.0, 0.25);
+}
+
 }  // namespace
 }  // namespace slamd
