@@ -199,6 +199,8 @@ Fields registration_fields(ScanRegistrationConfig& c) {
        {0, 1e6},
        "information over what noisy normals fake, at least"},
       {"odometry.update.degenerate_share", &u.degenerate_share, "", kShare, "of all residuals' information, at least"},
+      {"odometry.update.degenerate_sigma_m", &u.degenerate_sigma_m, "m", {1e-4, 1},
+       "of one scan in the other directions while one is free"},
       {"odometry.update.estimate_extrinsic",
        &u.estimate_extrinsic,
        "",

@@ -15,38 +15,46 @@ struct FreeDirections {
   Eigen::Vector3d weakest = Eigen::Vector3d::Zero();
 };
 
-/// Information on the three states at `row` with the three at `other` marginalised out (Schur complement).
-Eigen::Matrix3d marginal(const MeasuredMatrix& a, int row, int other) {
+/// Information on the three states at `row` with the three at `other` marginalised out (Schur complement). The noise of
+/// those keeps their block positive.
+Eigen::Matrix3d marginal(const MeasuredMatrix& a, int row, int other, double noise_other) {
   const Eigen::Matrix3d b = a.block<3, 3>(row, other);
   const Eigen::Matrix3d c = a.block<3, 3>(other, other);
-  const double damping = 1e-9 * c.trace() + 1e-12;
+  const double damping = noise_other + 1e-9 * c.trace() + 1e-12;
   const Eigen::Matrix3d inner = (c + damping * Eigen::Matrix3d::Identity()).inverse();
   return a.block<3, 3>(row, row) - b * inner * b.transpose();
 }
 
-/// Takes out of the linearisation all that it says of the direction u of the states at `row`, the direct and the
-/// crosswise: A - A u u^T A / u^T A u, the information of an experiment in which u is unknown.
-void forget(Linearisation& scan, int row, const Eigen::Vector3d& u) {
+/// Takes out of the linearisation all that it says of the direction u of the states at `row`. Where u has information of
+/// its own (above `least`) but only together with other states, what it says of those is kept: A - A u u^T A / u^T A u, an
+/// experiment in which u is unknown. Otherwise its cross terms are noise too, and go.
+void forget(Linearisation& scan, int row, const Eigen::Vector3d& u, double least) {
   const MeasuredVector a_u = scan.information.middleCols<3>(row) * u;
   const double u_a_u = a_u.segment<3>(row).dot(u);
-  if (u_a_u < 1e-12) return;
   const double u_b = u.dot(scan.gradient.segment<3>(row));
-  scan.information -= a_u * a_u.transpose() / u_a_u;
-  scan.gradient -= a_u * (u_b / u_a_u);
+  if (u_a_u > 4.0 * least) {
+    scan.information -= a_u * a_u.transpose() / u_a_u;
+    scan.gradient -= a_u * (u_b / u_a_u);
+    return;
+  }
+  scan.information.middleCols<3>(row) -= a_u * u.transpose();
+  scan.information.middleRows<3>(row) -= u * (u.transpose() * scan.information.middleRows<3>(row)).eval();
+  scan.gradient.segment<3>(row) -= u_b * u;
 }
 
 /// Finds the directions at `row` that the scan does not constrain, and forgets them.
 /// noise: information that noise in the normals fakes; total: sum over all directions.
-FreeDirections free_directions(const IeskfConfig& config, Linearisation& scan, int row, int other, double noise) {
+FreeDirections free_directions(const IeskfConfig& config, Linearisation& scan, int row, int other, double noise,
+                               double noise_other) {
   FreeDirections out;
   const double total = scan.information.block<3, 3>(row, row).trace();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(marginal(scan.information, row, other));
+  solver.computeDirect(marginal(scan.information, row, other, noise_other));
   const double least = std::max(config.degenerate_noise_ratio * noise, config.degenerate_share * total);
   for (int i = 0; i < 3; ++i) {
     if (solver.eigenvalues()[i] >= least) break;
     const Eigen::Vector3d u = solver.eigenvectors().col(i);
-    forget(scan, row, u);
+    forget(scan, row, u, least);
     if (out.count++ == 0) out.weakest = u;
   }
   return out;
@@ -119,11 +127,21 @@ bool is_enough(const IeskfConfig& config, const Linearisation& scan) {
 }
 
 void forget_free_directions(const IeskfConfig& config, Linearisation& scan, UpdateSummary& summary) {
-  const FreeDirections positions = free_directions(config, scan, I::kPosition, I::kAttitude, scan.normal_noise);
-  const FreeDirections attitudes = free_directions(config, scan, I::kAttitude, I::kPosition, scan.normal_noise_rotation);
+  const double noise = scan.normal_noise;
+  const double noise_rotation = scan.normal_noise_rotation;
+  const FreeDirections positions = free_directions(config, scan, I::kPosition, I::kAttitude, noise, noise_rotation);
+  const FreeDirections attitudes = free_directions(config, scan, I::kAttitude, I::kPosition, noise_rotation, noise);
   summary.free_translations = positions.count;
   summary.free_rotations = attitudes.count;
   summary.free_direction = positions.weakest;
+}
+
+/// The free direction is known to an angle of its own, by which the information on the others leaks into it, scan by
+/// scan: while one is free the others are told to a centimetre, not to a millimetre.
+double believed(const IeskfConfig& config, const Linearisation& scan, const UpdateSummary& summary, double share) {
+  if (summary.free_translations == 0) return share;
+  const double most = 1.0 / (config.degenerate_sigma_m * config.degenerate_sigma_m);
+  return std::min(share, most / scan.information.block<3, 3>(I::kPosition, I::kPosition).trace());
 }
 
 }  // namespace
@@ -157,7 +175,7 @@ UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> p
     if (!is_enough(config, scan)) return summary;
     summary.test_ratio = scan.squared_error / scan.inliers;
     forget_free_directions(config, scan, summary);
-    step.emplace(scan, share, filter, boxminus(state, filter.state));
+    step.emplace(scan, believed(config, scan, summary, share), filter, boxminus(state, filter.state));
     if (!step->error().allFinite()) return summary;
     state = boxplus(state, step->error());
     // The gate closes as the iterates settle: what the last step still moved is what remains unsure.

@@ -18,8 +18,9 @@ struct IeskfConfig {
   double information_scale = 0.1;         // neighbouring residuals share their errors: one independent in so many
   double mature_viewpoints = 20.0;              // a map seen from fewer places is believed less, by the square of the
                                            // ratio: the rings of one place move with the sensor and pull it along
-  double degenerate_noise_ratio = 2.0;     // information below so many times what noisy normals fake is not believed
+  double degenerate_noise_ratio = 1.0;     // information below so many times what noisy normals faked is not believed
   double degenerate_share = 0.002;         // likewise below this share of all the residuals' information
+  double degenerate_sigma_m = 0.01;        // of one scan in the other directions while one of position is free
   bool estimate_extrinsic = false;
 };
 

@@ -76,10 +76,20 @@ Linearisation PointToPlane::linearise(const InertialState& state, const Matrix6d
     out.normal_noise += faked;
     out.normal_noise_rotation += faked * p_imu.squaredNorm();
     out.information.noalias() += weight * h * h.transpose();
-    // A normal that is tilted by e adds e to h and e . from_centre to the residual: on average their product pulls the
-    // point towards the centre, which is where the map's rings are and not where the sensor is.
-    const Eigen::Vector3d pull = match.plane.normal_covariance(from_centre);
-    out.gradient.noalias() += weight * (residual * h - at.gradient(p_lidar, p_imu, pull));
+    out.gradient.noalias() += weight * residual * h;
+    // A normal that is tilted by e has added E[h_e h_e^T] and E[h_e (e . from_centre)] on average: information that is not
+    // there, and a pull towards the centre, which is where the map's rings are and not where the sensor is.
+    for (const Plane::Tilt& tilt : match.plane.tilts()) {
+      const Eigen::Vector3d towards = tilt.towards.cast<double>();
+      const MeasuredVector h_tilt = at.gradient(p_lidar, p_imu, towards);
+      const double share = weight * tilt.variance;
+      out.gradient.noalias() -= share * towards.dot(from_centre) * h_tilt;
+      if (with_extrinsic) {
+        out.information.noalias() -= share * h_tilt * h_tilt.transpose();
+      } else {
+        out.information.topLeftCorner<6, 6>().noalias() -= share * h_tilt.head<6>() * h_tilt.head<6>().transpose();
+      }
+    }
   }
   return out;
 }

@@ -27,7 +27,7 @@ struct MeasuredPoint {
 };
 
 struct Linearisation {
-  MeasuredMatrix information = MeasuredMatrix::Zero();  // sum w h h^T
+  MeasuredMatrix information = MeasuredMatrix::Zero();  // sum w h h^T, less what noise in the normals fakes
   MeasuredVector gradient = MeasuredVector::Zero();     // sum w h r
   double normal_noise = 0.0;    // sum w (tilt variance): information on position that noise in the normals would fake
   double normal_noise_rotation = 0.0;  // likewise on attitude, sum w (tilt variance) |p|^2

@@ -27,11 +27,8 @@ float Plane::height_variance(const Eigen::Vector3f& p) const {
   return variance_m2 / points * (1.0F + along_major * along_major / major_m2 + along_minor * along_minor / minor_m2);
 }
 
-Eigen::Vector3d Plane::normal_covariance(const Eigen::Vector3d& d) const {
-  const Eigen::Vector3d major = axis_major.cast<double>();
-  const Eigen::Vector3d minor = major.cross(normal.cast<double>());
-  const double noise = variance_m2 / points;
-  return noise * (major.dot(d) / major_m2 * major + minor.dot(d) / minor_m2 * minor);
+std::array<Plane::Tilt, 2> Plane::tilts() const {
+  return {{{axis_major, variance_m2 / (points * major_m2)}, {axis_major.cross(normal), tilt_variance()}}};
 }
 
 PlaneMap::PlaneMap(const PlaneMapConfig& config)

@@ -3,6 +3,7 @@
 // plane through each neighbourhood, kept until the neighbourhood has changed. Not the map that clients get.
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "estimator/map/ikd_tree.hpp"
@@ -43,8 +44,12 @@ struct Plane {
 
   /// Variance of the plane's height at p, from its points' noise: grows outside of them. m^2.
   float height_variance(const Eigen::Vector3f& p) const;
-  /// Covariance of the normal times d: the normal's noise lies in the plane.
-  Eigen::Vector3d normal_covariance(const Eigen::Vector3d& d) const;
+  /// The noise of the normal: independent tilts of these variances (rad^2) towards two axes in the plane.
+  struct Tilt {
+    Eigen::Vector3f towards;
+    float variance;
+  };
+  std::array<Tilt, 2> tilts() const;
   /// Variance of the normal's tilt about the worse axis, rad^2.
   float tilt_variance() const { return variance_m2 / (points * minor_m2); }
 };

@@ -202,8 +202,8 @@ TEST(PlaneMap, WhatIsFarFromTheVehicleIsForgotten) {
   EXPECT_EQ(map.size(), 0U);
 }
 
-/// Planes fitted to few noisy points of a floor: the spread of their normals is what they say of themselves, and the mean
-/// of n (n . d) over them is the true normal's plus normal_covariance(d).
+/// Planes fitted to few noisy points of a floor: the spread of their normals is what they say of themselves, and the
+/// mean of n n^T over them is the true normal's and those tilts'.
 TEST(PlaneNoise, TheNormalsSpreadAsTheirCovarianceSays) {
   test::Random random{9};
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero(), claimed = Eigen::Matrix3d::Zero();
@@ -220,7 +220,10 @@ TEST(PlaneNoise, TheNormalsSpreadAsTheirCovarianceSays) {
     ASSERT_NE(plane, nullptr);
     const Eigen::Vector3d e = plane->normal.cast<double>() * (plane->normal.z() > 0.0F ? 1.0 : -1.0) - Eigen::Vector3d::UnitZ();
     spread += e * e.transpose() / kRuns;
-    for (int k = 0; k < 3; ++k) claimed.col(k) += plane->normal_covariance(Eigen::Vector3d::Unit(k)) / kRuns;
+    for (const Plane::Tilt& tilt : plane->tilts()) {
+      const Eigen::Vector3d towards = tilt.towards.cast<double>();
+      claimed += tilt.variance / kRuns * towards * towards.transpose();
+    }
   }
   EXPECT_NEAR(claimed(0, 0) / spread(0, 0), 1.0, 0.25);
   EXPECT_NEAR(claimed(1, 1) / spread(1, 1), 1.0, 0.25);
