@@ -1,6 +1,6 @@
 #pragma once
-// Least squares among edges of which some are plain wrong: graduated non-convexity with truncated least squares. It starts
-// from the convex problem and sharpens; no edge is trusted or dropped before the rest had its say.
+// Least squares among edges of which some are plain wrong: a start from edges that support each other, then graduated
+// non-convexity with truncated least squares over all. Works on whole files; the live graph has map_graph.
 // Source: Yang, Antonante, Tzoumas, Carlone 2020, "Graduated Non-Convexity for Robust Spatial Perception", section IV-B.
 
 #include <vector>
@@ -11,8 +11,13 @@ namespace slamd {
 
 struct GncConfig {
   double outlier_probability = 1e-4;  // of a right edge to be taken for wrong, when its information is true
+  double noise_margin = 8.0;          // on the scale of errors that is found: tails of real files are heavy
+  double information_margin = 2.0;    // on what the file's own information promises, at most
+  double first_sharpness = 0.001;     // mu: edges up to 1 / mu times the limit have a say at first
   double sharpening = 1.4;            // of mu, a round; > 1
-  int max_rounds = 100;
+  double second_chance = 100.0;       // in the end edges up to so many times the limit are tried once more
+  int last_rounds = 10;               // until the kept set agrees with its own solution
+  int max_rounds = 200;
   int iterations_a_round = 2;
 };
 
@@ -22,7 +27,7 @@ struct RobustOutcome {
   int rounds = 0;
 };
 
-/// Moves graph.poses from where they lie.
+/// Moves graph.poses that are not fixed; uses no initial guess. Without a chordal start (anchor_parts) the weights are empty.
 /// suspect  one an edge: true = may be wrong; the others always count fully
 template <class Group>
 RobustOutcome solve_robustly(PoseGraph<Group>& graph, const std::vector<bool>& suspect, const GncConfig& config,

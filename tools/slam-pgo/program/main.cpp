@@ -55,6 +55,7 @@ SolveOutcome optimise(PoseGraph<Group>& work, const std::vector<bool>& loops, co
   if (!options.robust) return solve(work, limits_of(options));
   SolveLimits limits = limits_of(options);
   const RobustOutcome robust = solve_robustly(work, loops, {}, limits);
+  if (robust.weights.empty()) return {};
   const auto dropped = std::count_if(robust.weights.begin(), robust.weights.end(), [](double w) { return w < 0.5; });
   std::printf("robust   %d rounds, %td loop edges dropped:", robust.rounds, dropped);
   for (std::size_t k = 0; k < work.edges.size(); ++k) {
