@@ -10,6 +10,7 @@ namespace slamd {
 
 Result<std::unique_ptr<App>> App::open(const Config& config, const std::string& version,
                                        const std::string& record_folder) {
+  if (config.real_time.lock_memory) keep_stacks_small();
   Result<PosePublisher> publisher = PosePublisher::create();
   if (!publisher) return Error{publisher.reason()};
   auto streams = std::make_unique<Streams>();

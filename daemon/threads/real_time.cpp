@@ -42,12 +42,15 @@ Result<void> enter_schedule(const ThreadSchedule& schedule) {
   return outcome;
 }
 
-Result<void> lock_memory() {
-  pthread_attr_t thread_defaults;  // a locked stack is resident as a whole: keep it small
+void keep_stacks_small() {
+  pthread_attr_t thread_defaults;
   pthread_attr_init(&thread_defaults);
   pthread_attr_setstacksize(&thread_defaults, kThreadStackBytes);
   pthread_setattr_default_np(&thread_defaults);
   pthread_attr_destroy(&thread_defaults);
+}
+
+Result<void> lock_memory() {
   mallopt(M_TRIM_THRESHOLD, -1);
 
   // Under a finite limit MCL_FUTURE would turn later allocations into failures, so only what exists is locked then.

@@ -27,8 +27,12 @@ struct ThreadSchedule {
 /// fails; the first failure's reason comes back, and the thread goes on without what it was not given.
 Result<void> enter_schedule(const ThreadSchedule& schedule);
 
+/// Threads of the process that are started from now on get a stack of 2 MiB: a locked stack is resident as a whole.
+/// Call before the first thread starts.
+void keep_stacks_small();
+
 /// Locks all present and future pages of the process into memory and keeps freed heap from going back to the kernel.
-/// Call once before threads start. Fails without CAP_IPC_LOCK or enough RLIMIT_MEMLOCK.
+/// Call once before the real-time threads start. Fails without CAP_IPC_LOCK or enough RLIMIT_MEMLOCK.
 Result<void> lock_memory();
 
 }  // namespace slamd

@@ -136,7 +136,9 @@ TEST_F(ServerLimitsTest, ASlowClientIsToldHowManyNotificationsItLost) {
   std::optional<json> line;
   while (sequence < kSamples && (line = slow.receive()) && line->at("method") == "pose") {
     sequence = line->at("params").at("sequence").get<int>();
-    if (++received % 16 == 0) publish((kSamples + received) * 10'000'000LL);  // something new, so that it hears of the loss
+    if (++received % 16 != 0) continue;
+    publish((kSamples + received) * 10'000'000LL);  // something new, so that it hears of the loss
+    ASSERT_TRUE(pace.receive()) << "of two samples at once only the newer is notified: the count would miss one";
   }
   ASSERT_TRUE(line);
   ASSERT_EQ(line->at("method"), "lost");
