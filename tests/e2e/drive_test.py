@@ -5,7 +5,7 @@ import signal
 import time
 import unittest
 
-from harness import EndToEndTest
+from harness import EndToEndTest, in_real_time
 from rigid import Truth, errors, relative
 
 
@@ -32,9 +32,10 @@ class Drive(EndToEndTest):
             time.sleep(0.05)
         return poses
 
+    @in_real_time
     def test_the_pose_follows_the_truth_at_200_hz_and_nothing_is_dropped(self):
         daemon = self.start_daemon()
-        self.start_simulator("--rest", "3", "--duration", "40")
+        self.start_simulator("--rest", "3", "--duration", "100")
         self.await_pose("tracking", is_tracking, 60.0)
         poses = self.sample_poses(25.0)
         status = self.client.status()
@@ -79,6 +80,7 @@ class Drive(EndToEndTest):
         self.assertGreater(health["counts"]["keyframes"], 5)
         self.assertGreater(health["counts"]["gnss_fixes"], 10)
 
+    @in_real_time
     def test_a_silent_imu_is_degraded_and_it_recovers(self):
         daemon = self.start_daemon()
         self.start_simulator("--rest", "3", "--duration", "60", "--fault", "imu:off@14+5")
@@ -89,6 +91,7 @@ class Drive(EndToEndTest):
         self.await_value("the log", lambda: "imu state=silent" in daemon.output(), 30.0)
         self.assert_stops_cleanly(daemon)
 
+    @in_real_time
     def test_a_silent_lidar_is_degraded_and_it_recovers(self):
         daemon = self.start_daemon()
         self.start_simulator("--rest", "3", "--duration", "60", "--fault", "lidar:off@14+3")
@@ -99,6 +102,7 @@ class Drive(EndToEndTest):
         self.await_value("the log", lambda: "lidar state=silent" in daemon.output(), 30.0)
         self.assert_stops_cleanly(daemon)
 
+    @in_real_time
     def test_all_devices_may_be_pulled_out_and_come_back(self):
         daemon = self.start_daemon()
         drive = self.start_simulator("--trajectory", "standstill", "--duration", "60")

@@ -1,7 +1,9 @@
 """Runs the real slamd and slam-sim on loopback, ptys and a socket in a temporary folder. Holds no test."""
 
+import functools
 import json
 import os
+import re
 import shutil
 import signal
 import socket
@@ -15,6 +17,30 @@ sys.path.append(os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__f
 
 SLAMD = os.environ.get("SLAMD", "slamd")
 SLAM_SIM = os.environ.get("SLAM_SIM", "slam-sim")
+
+ATTEMPTS = 3  # of what a busy machine may spoil
+PUNCTUAL_MS = 50.0  # half of what a sensor may be silent
+
+
+def in_real_time(test):
+    """Repeats a test that failed while its sensors sent late, as a busy machine makes them, and skips it when they did so in
+    every attempt. A failure with punctual sensors stands at once."""
+
+    @functools.wraps(test)
+    def attempts(self):
+        for _ in range(ATTEMPTS):
+            try:
+                return test(self)
+            except AssertionError as failure:
+                late_ms = self.latest_ms()
+                if late_ms < PUNCTUAL_MS:
+                    raise
+                print(f"again, the sensors were {late_ms:.0f} ms late: {str(failure)[:500]}", flush=True)
+            self.tearDown()
+            self.setUp()
+        return self.skipTest(f"no real time on this machine: the sensors were {late_ms:.0f} ms late, {ATTEMPTS} times")
+
+    return attempts
 
 
 def free_udp_port():
@@ -43,6 +69,16 @@ class Process:
 
     def wait(self, timeout_s):
         return self.child.wait(timeout_s)
+
+    def latest_ms(self):
+        """Ends it; by how much the latest of what it sent was late, 0 when it does not say."""
+        self.send(signal.SIGTERM)
+        try:
+            self.wait(30.0)
+        except subprocess.TimeoutExpired:
+            return 0.0
+        found = re.findall(r"latest (?:packet )?([0-9.]+) ms late", self.output())
+        return float(found[-1]) if found else 0.0
 
     def stop(self):
         if self.running():
@@ -110,6 +146,9 @@ class EndToEndTest(unittest.TestCase):
         self.processes.append(process)
         return process
 
+    def latest_ms(self):
+        return max((process.latest_ms() for process in self.processes), default=0.0)
+
     def daemon_arguments(self):
         settings = {
             "lidar.bind_address": "127.0.0.1",
@@ -162,8 +201,8 @@ class EndToEndTest(unittest.TestCase):
         return self.await_value(what, attempt, timeout_s)
 
     def assert_stops_cleanly(self, daemon):
-        """Its own bound is a second; a machine that is busy otherwise is granted ten."""
+        """Its own bound is a second; a machine that is busy otherwise is granted thirty."""
         begin = time.monotonic()
         daemon.send(signal.SIGTERM)
-        self.assertEqual(daemon.wait(10.0), 0, daemon.output())
+        self.assertEqual(daemon.wait(30.0), 0, daemon.output())
         print(f"stopped after {time.monotonic() - begin:.3f} s", flush=True)

@@ -17,17 +17,14 @@
 namespace slamd {
 namespace {
 
-constexpr std::uint16_t kLidarPort = 23680;
-constexpr std::uint16_t kPositionPort = 23681;
-
 using test::LiveSimulator;
 using test::TemporaryFolder;
 
 Config config_in(const TemporaryFolder& folder) {
   Config config;
   config.lidar.bind_address = "127.0.0.1";
-  config.lidar.port = kLidarPort;
-  config.lidar.position_port = kPositionPort;
+  config.lidar.port = test::free_udp_port();
+  config.lidar.position_port = test::free_udp_port();
   config.imu.source.serial.path = folder.file("imu");
   config.gnss.serial.path = folder.file("gnss");
   config.server.socket_path = folder.file("slamd.sock");
@@ -36,10 +33,11 @@ Config config_in(const TemporaryFolder& folder) {
   return config;
 }
 
-LiveSimulator simulator_in(const TemporaryFolder& folder) {
+LiveSimulator simulator_for(const Config& config) {
   return LiveSimulator{{SLAMD_SLAM_SIM, "--live", "--quiet", "--duration", "180", "--rest", "3", "--udp-host", "127.0.0.1",
-                    "--lidar-port", std::to_string(kLidarPort), "--position-port", std::to_string(kPositionPort),
-                    "--imu-pty", folder.file("imu"), "--gps-pty", folder.file("gnss")}};
+                        "--lidar-port", std::to_string(config.lidar.port),
+                        "--position-port", std::to_string(config.lidar.position_port),
+                        "--imu-pty", config.imu.source.serial.path, "--gps-pty", config.gnss.serial.path}};
 }
 
 bool thread_runs(const std::string& name) {
@@ -67,9 +65,10 @@ TEST(RealTime, ThreadsNeitherAllocateNorLockAfterWarmUp) {
   constexpr std::uint64_t kWarmUpScans = 80;
   constexpr std::uint64_t kCountedScans = 150;
   const TemporaryFolder folder;
-  auto app = App::open(config_in(folder), "test", folder.file("recording"));
+  const Config config = config_in(folder);
+  auto app = App::open(config, "test", folder.file("recording"));
   ASSERT_TRUE(app) << app.reason();
-  const LiveSimulator simulator = simulator_in(folder);
+  const LiveSimulator simulator = simulator_for(config);
   ASSERT_TRUE(simulator.started());
   ASSERT_TRUE((*app)->start());
   ASSERT_TRUE(supervise_until(**app, [&] { return (*app)->scans() >= kWarmUpScans; }));

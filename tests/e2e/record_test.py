@@ -5,9 +5,7 @@ import os
 import subprocess
 import unittest
 
-from harness import EndToEndTest
-
-ATTEMPTS = 3  # a machine so busy that events were late or dropped proves nothing about the order
+from harness import ATTEMPTS, EndToEndTest
 
 
 def live_pose(row):
@@ -25,7 +23,7 @@ def replayed_poses(path):
 
 class Record(EndToEndTest):
     def drive_and_record(self, folder):
-        """The poses of a live drive, and whether every event was in time."""
+        """The poses of a live drive, and whether every event was in time: late or dropped ones prove nothing about the order."""
         daemon = self.start_daemon("--record", folder, "--set", "estimator.hold_back_s=0.1")
         drive = self.start_simulator("--scenario", "parking", "--rest", "3", "--duration", "32",
                                      "--fault", "lidar:loss=0.02", "--fault", "imu:corrupt=1e-3",

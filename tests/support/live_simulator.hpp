@@ -1,17 +1,34 @@
 #pragma once
-// slam-sim --live as a child process, and a temporary folder for its ptys. It starts no daemon.
+// slam-sim --live as a child process, a temporary folder for its ptys and free ports. It starts no daemon.
 
+#include <netinet/in.h>
 #include <spawn.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "daemon/ring/unique_fd.hpp"
+
 namespace slamd::test {
+
+/// A UDP port of loopback that nobody has bound; 0 when there is none.
+inline std::uint16_t free_udp_port() {
+  const UniqueFd probe{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  if (::bind(probe.get(), reinterpret_cast<sockaddr*>(&address), size) != 0) return 0;
+  if (::getsockname(probe.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0) return 0;
+  return ntohs(address.sin_port);
+}
 
 /// A temporary folder that goes with its owner.
 class TemporaryFolder {

@@ -35,6 +35,10 @@ export class RecordedMotion {
     this.#bias = [...three(BIAS.gyro), ...three(BIAS.accel)];
   }
 
+  get startNs() {
+    return this.#startNs;
+  }
+
   get endNs() {
     return this.#startNs + BigInt(this.#rows.length - 1) * 1000000n;
   }

@@ -16,9 +16,14 @@ const sleep = (milliseconds) => Atomics.wait(sleeper, 0, 0, milliseconds);
 /** Bytes on their way to the terminal, each packet with the moment it is due. What a full terminal does not take is lost. */
 class Outgoing {
   lost = 0;
-  latestNs = 0;
+  latestNs = 0; // of those due since the motion began
   #packets = [];
   #next = 0;
+  #startNs;
+
+  constructor(startNs) {
+    this.#startNs = startNs;
+  }
 
   push(bytes, dueNs) {
     this.#packets.push({ bytes, dueNs });
@@ -28,7 +33,7 @@ class Outgoing {
   send() {
     for (; this.#next < this.#packets.length && this.#packets[this.#next].dueNs <= now(); this.#next += 1) {
       const { bytes, dueNs } = this.#packets[this.#next];
-      this.latestNs = Math.max(this.latestNs, Number(now() - dueNs));
+      if (dueNs >= this.#startNs) this.latestNs = Math.max(this.latestNs, Number(now() - dueNs));
       this.lost += bytes.length - this.#write(bytes);
     }
   }
@@ -46,7 +51,7 @@ class Outgoing {
 function run(motionPath, lingerSeconds) {
   const motion = new RecordedMotion(motionPath);
   const board = new Board();
-  const outgoing = new Outgoing();
+  const outgoing = new Outgoing(motion.startNs);
   board.sensor.keepSamples = false;
   let origin = now();
   const hostTime = (nanos) => origin + BigInt(Math.round(nanos));
