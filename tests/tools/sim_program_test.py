@@ -79,7 +79,7 @@ class SlamSim(unittest.TestCase):
             subprocess.run([PROGRAM, "--out", folder + "/drive"] + DRIVE, check=True)
             live = Live(folder, DRIVE + ["--start-delay", "1.5"])
             live.listen(lambda _: False)
-            self.assertEqual(live.process.wait(), 0)
+            self.assertEqual(live.process.wait(60.0), 0)
             recorded = pcap_payloads(folder + "/drive/lidar.pcap")
             self.assertEqual(live.received[live.lidar], recorded[2368])
             self.assertEqual(live.received[live.position], recorded[8308])
@@ -94,7 +94,7 @@ class SlamSim(unittest.TestCase):
             live = Live(folder, ["--scenario", "corridor", "--quiet", "--start-delay", "0"])
             live.listen(lambda run: len(run.received[run.lidar]) > 100)
             live.process.send_signal(signal.SIGINT)
-            self.assertEqual(live.process.wait(), 130)
+            self.assertEqual(live.process.wait(60.0), 130)
             self.assertFalse(os.path.islink(live.imu_path))
 
     def test_bad_command_lines_name_what_is_bad(self):
