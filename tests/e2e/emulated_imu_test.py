@@ -1,14 +1,13 @@
 """The firmware's image on the emulated board feeds the real daemon through a pty, while slam-sim sends LiDAR and GPS of the same
 drive: the pose is as good as with slam-sim's own IMU bytes (`drive_test`: seen from the first metres, a few centimetres)."""
 
-import contextlib
 import math
 import os
 import subprocess
 import tty
 import unittest
 
-from harness import EndToEndTest, Process, in_real_time
+from harness import EndToEndTest, Process, hurry, in_real_time
 from rigid import Truth, errors, relative
 
 DRIVE = ["--rest", "3", "--duration", "20", "--seed", "4"]
@@ -32,9 +31,7 @@ class Bridge(Process):
         os.symlink(os.ttyname(self.slave), link)
         with open(log_path, "wb") as log:
             self.child = subprocess.Popen([os.environ["SLAMD_NODE"], os.environ["SLAMD_BRIDGE"], motion, "--linger", str(LINGER_S)],
-                                          stdin=subprocess.DEVNULL, stdout=self.master, stderr=log)
-        with contextlib.suppress(PermissionError):  # as slam-sim does; without the privilege it is less punctual
-            os.setpriority(os.PRIO_PROCESS, self.child.pid, -15)
+                                          stdin=subprocess.DEVNULL, stdout=self.master, stderr=log, preexec_fn=hurry)
 
     def send(self, signal_number):
         """It says how late it was only when it ends by itself."""
@@ -56,7 +53,7 @@ class EmulatedImu(EndToEndTest):
     def start_simulator_without_imu(self):
         self.start("slam-sim", [os.environ["SLAM_SIM"], "--live", "--no-imu", "--imu-motion", self.path("motion.csv"), "--gps-pty",
                                 self.path("gnss"), "--lidar-port", str(self.port), "--position-port", str(self.position_port),
-                                "--truth", self.path("truth.tum"), "--start-delay", str(START_DELAY_S), *DRIVE])
+                                "--truth", self.path("truth.tum"), "--start-delay", str(START_DELAY_S), *DRIVE], hurry)
 
     def final_error(self):
         """Metres and radians of the last pose before the end of the drive, relative to the first metre driven; and the distance."""

@@ -1,5 +1,6 @@
 """Runs the real slamd and slam-sim on loopback, ptys and a socket in a temporary folder. Holds no test."""
 
+import contextlib
 import functools
 import json
 import os
@@ -19,7 +20,7 @@ SLAMD = os.environ.get("SLAMD", "slamd")
 SLAM_SIM = os.environ.get("SLAM_SIM", "slam-sim")
 
 ATTEMPTS = 3  # of what a busy machine may spoil
-PUNCTUAL_MS = 50.0  # half of what a sensor may be silent
+PUNCTUAL_MS = 15.0  # the daemon calls 25 ms between two IMU samples a gap
 
 
 def in_real_time(test):
@@ -33,9 +34,9 @@ def in_real_time(test):
                 return test(self)
             except AssertionError as failure:
                 late_ms = self.latest_ms()
+                print(f"failed, the sensors were {late_ms:.1f} ms late: {str(failure)[:500]}", flush=True)
                 if late_ms < PUNCTUAL_MS:
                     raise
-                print(f"again, the sensors were {late_ms:.0f} ms late: {str(failure)[:500]}", flush=True)
             self.tearDown()
             self.setUp()
         return self.skipTest(f"no real time on this machine: the sensors were {late_ms:.0f} ms late, {ATTEMPTS} times")
@@ -49,13 +50,19 @@ def free_udp_port():
         return probe.getsockname()[1]
 
 
+def hurry():
+    """Run by the children that are sensors before they start: those have processors of their own in a vehicle."""
+    with contextlib.suppress(PermissionError):
+        os.nice(-15)
+
+
 class Process:
     """A child with its output in a file; ended by stop() at the latest."""
 
-    def __init__(self, arguments, log_path):
+    def __init__(self, arguments, log_path, prepare=None):
         self.log_path = log_path
         with open(log_path, "wb") as log:
-            self.child = subprocess.Popen(arguments, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+            self.child = subprocess.Popen(arguments, stdin=subprocess.DEVNULL, stdout=log, stderr=log, preexec_fn=prepare)
 
     def output(self):
         with open(self.log_path, encoding="utf-8", errors="replace") as log:
@@ -141,8 +148,8 @@ class EndToEndTest(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def start(self, name, arguments):
-        process = Process(arguments, self.path(f"{name}-{len(self.processes)}.log"))
+    def start(self, name, arguments, prepare=None):
+        process = Process(arguments, self.path(f"{name}-{len(self.processes)}.log"), prepare)
         self.processes.append(process)
         return process
 
@@ -180,7 +187,7 @@ class EndToEndTest(unittest.TestCase):
     def start_simulator(self, *extra):
         return self.start("slam-sim", [SLAM_SIM, "--live", "--imu-pty", self.path("imu"), "--gps-pty", self.path("gnss"),
                                        "--lidar-port", str(self.port), "--position-port", str(self.position_port),
-                                       "--truth", self.path("truth.tum"), *extra])
+                                       "--truth", self.path("truth.tum"), *extra], hurry)
 
     def await_value(self, what, attempt, timeout_s):
         """Asks until attempt() gives something true; fails after timeout_s with everybody's output."""
