@@ -92,6 +92,7 @@ std::optional<ImuSample> ImuFrameParser::convert(const ImuFrame& frame, HostTime
     return std::nullopt;
   }
   sample.arrival = arrival;
+  sample.clock_unsure = clock_.is_recovering();
   sample.gyro_rads = scaled(frame.gyro, kGyroRadsPerLsb);
   sample.accel_mps2 = scaled(frame.accel, kAccelMps2PerLsb);
   sample.temperature_c = static_cast<float>(kImuTemperatureZeroC + frame.temperature / kImuTemperatureLsbPerC);

@@ -44,6 +44,8 @@ class ClockSync {
   Duration jitter() const { return Duration{static_cast<std::int64_t>(envelope_.jitter_ns())}; }
   /// The mapping is as good as Config::lock_sigma; false from a jump until it is again.
   bool locked() const { return locked_; }
+  /// From a jump on until the mapping is locked again.
+  bool is_recovering() const { return jumps_ > 0 && !locked_; }
   /// Jumps and resets of either clock since construction.
   std::uint32_t jumps() const { return jumps_; }
 

@@ -73,6 +73,7 @@ const LidarPacket* Vlp16Decoder::decode(std::span<const std::uint8_t> payload, H
   out_.time = clock_.update(admission.begin + span, arrival) - span;  // a packet is sent after its last firing
   out_.arrival = arrival;
   out_.span = span;
+  out_.clock_unsure = clock_.is_recovering();
   fill_points(packet, rotation);
   return &out_;
 }

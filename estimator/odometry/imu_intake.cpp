@@ -17,6 +17,7 @@ bool ImuIntake::add(const ImuSample& sample) {
     return false;
   }
   newest_ = sample.time;
+  if (sample.clock_unsure) clock_doubt_.raise(sample.arrival);
   const ImuFault fault = sanity_.look(sample);
   if (!sanity_.is_sane()) samples_.drop_after(sanity_.faulty_since());
   if (fault == ImuFault::kNone) return samples_.push(sample);

@@ -32,6 +32,7 @@ void ScanQueue::add(const LidarPacket& packet) {
     clock_doubt_.raise(packet.arrival);
     return;
   }
+  if (packet.clock_unsure) clock_doubt_.raise(packet.arrival);
   if (!assembler_.add(packet)) return;
   if (has_pending_) ++stats_.overtaken;
   assembler_.take(pending_);

@@ -14,6 +14,7 @@ struct ImuSample {
   Eigen::Vector3d accel_mps2 = Eigen::Vector3d::Zero();         // specific force, imu frame, bias included
   float temperature_c = 0.0F;
   bool clipped = false;                                         // any axis at the end of its range
+  bool clock_unsure = false;                                    // the device's clock jumped and is not locked again
 };
 
 }  // namespace slamd

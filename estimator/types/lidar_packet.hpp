@@ -27,6 +27,7 @@ struct LidarPacket {
   std::uint16_t azimuth_begin_cdeg = 0;  // of the first and of the last firing, also when nothing returned
   std::uint16_t azimuth_end_cdeg = 0;
   std::uint16_t point_count = 0;
+  bool clock_unsure = false;        // the device's clock jumped and is not locked again
   std::array<LidarPoint, kMaxPoints> points;  // the first point_count hold returns within the sensor's range
 };
 static_assert(std::is_trivially_copyable_v<LidarPoint>);
