@@ -85,7 +85,9 @@ std::vector<LoopCloser::Candidate> LoopCloser::near_candidates(const GraphView& 
     nearest_m = distance_m;
   }
   if (nearest == to) return {};
-  radius_m += kSigmas * horizontal_sigma_m(view.odometry.relative_covariance(nearest, to));
+  const double drift_sigma_m = horizontal_sigma_m(view.odometry.relative_covariance(nearest, to));
+  if (drift_sigma_m < config_.min_drift_sigma_m) return {};
+  radius_m += kSigmas * drift_sigma_m;
   if (radius_m > 2.0 * config_.radius_m) return look_alikes(view, to, radius_m);
   if (nearest_m > radius_m) return {};
   return {candidate(view, nearest, to)};

@@ -19,6 +19,7 @@ struct LoopCloserConfig {
   double radius_m = 20.0;                 // grows with the uncertainty of the pose
   std::uint32_t min_keyframes_back = 8;
   double min_detour_m = 20.0;             // driven in between, beyond three times the straight way: else it is no loop
+  double min_drift_sigma_m = 0.025;       // odometry surer than this across the loop has nothing to gain from a closure
   std::uint32_t search_every = 4;         // keyframes
   std::uint32_t keyframes_ahead = 4;      // that a place waits for, so that its sub-map is round
   std::uint32_t keyframes_behind = 8;

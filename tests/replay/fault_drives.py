@@ -27,12 +27,14 @@ class Case:
     options: tuple
     begin_s: float | None = None
     end_s: float | None = None
+    scenario: str = "campus"
+    seed: int = 3
 
 
 def fault(name, *faults, begin_s=None, length_s=0.0, more=()):
     when = "" if begin_s is None else f"@{begin_s:g}" + (f"+{length_s:g}" if length_s else "")
     options = [word for text in faults for word in ("--fault", text + when)]
-    return Case(name, (*options, *more), begin_s, None if begin_s is None else begin_s + length_s)
+    return Case(name, ("--rest", "3", *options, *more), begin_s, None if begin_s is None else begin_s + length_s)
 
 
 CASES = {
@@ -57,13 +59,14 @@ class Outcome:
     report: dict
     stamps: list
     errors_m: list
-    covered: list  # whether the covariance of that pose covers its error
+    squares: list  # normalised by the covariance of that pose, 3 degrees of freedom
 
     def worst_m(self, from_s=0.0, to_s=math.inf):
         return max((e for t, e in zip(self.stamps, self.errors_m) if from_s <= t <= to_s), default=0.0)
 
     def covered_share(self):
-        return sum(self.covered) / len(self.covered)
+        """Of the poses, those whose covariance covers their error with 99.9 %."""
+        return sum(square < CHI_SQUARE_3_999 for square in self.squares) / len(self.squares)
 
     def status(self):
         """(begin, end, status, reasons) of each stretch, seconds of the drive."""
@@ -138,13 +141,13 @@ def measure(case, drive, out):
         error = [a - b for a, b in zip(p, alignment.position(true_pose[0]))]
         outcome.stamps.append(t)
         outcome.errors_m.append(math.hypot(*error))
-        outcome.covered.append(normalised_square(error, covariance) < CHI_SQUARE_3_999)
+        outcome.squares.append(normalised_square(error, covariance))
     return outcome
 
 
 def run(case, folder, duration_s=30.0):
     drive, out = os.path.join(folder, "drive"), os.path.join(folder, "out")
-    subprocess.run([os.environ["SLAM_SIM"], "--scenario", "campus", "--seed", "3", "--rest", "3", "--duration",
+    subprocess.run([os.environ["SLAM_SIM"], "--scenario", case.scenario, "--seed", str(case.seed), "--duration",
                     str(duration_s), "--serial-bytes", "--out", drive, "--quiet", *case.options], check=True, timeout=600)
     subprocess.run([os.environ["SLAM_REPLAY"], drive, "--config", os.path.join(ROOT, "config/slamd.yaml"), "--out", out,
                     "--no-map", "--quiet"], check=True, timeout=600)
