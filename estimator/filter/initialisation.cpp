@@ -131,6 +131,7 @@ InitialState Initialisation::state(HostTime time, const Pose& T_base_imu, const 
 InitialState initial_state_without_imu(HostTime time, const InitialisationConfig& config, const Pose& T_base_imu,
                                        const Pose& T_imu_lidar) {
   InitialState out;
+  out.with_imu = false;
   out.filter.time = time;
   out.filter.state = state_at(T_base_imu, T_imu_lidar);
   out.filter.covariance = first_covariance(config.moving_velocity_mps, config.moving_gyro_bias_rads);

@@ -29,6 +29,7 @@ struct InitialisationConfig {
 struct InitialState {
   FilterSnapshot filter;   // base at the origin of odom, odom's z up, yaw zero
   bool at_rest = false;
+  bool with_imu = true;
 };
 
 /// Watches the newest rest_s of samples and says when they suffice: what happened before does not matter.

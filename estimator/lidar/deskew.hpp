@@ -20,6 +20,8 @@ class ScanMotion {
   /// Corrects the motion once the end is known better: T_odom_end becomes T_odom_end * T_end_corrected, the begin stays,
   /// what is between takes its share in proportion to time. finish() again afterwards.
   void bend(const Pose& T_end_corrected);
+  /// T_odom_imu at the scan's end; only after an add().
+  const Pose& end() const { return knots_.back().T_odom_imu; }
   /// All that deskew() needs, from the knots. Call after the last add().
   void finish(const Pose& T_imu_lidar);
 

@@ -64,7 +64,7 @@ const ScanResult* LidarInertialOdometry::fuse(const Scan& scan) {
   const FilterSnapshot before = filter_;
   const DeadReckoningSummary carried = carry_to(scan);
   finished(Stage::kPropagate);
-  result_.update = fusion_.fuse(scan, filter_, listener_);
+  result_.update = fusion_.fuse(scan, carried.measured_s == 0.0, filter_, listener_);
   if (!is_sane(filter_)) return start_over(scan.end);
   estimate_rate(before, carried);
   fusion_.carry_drift(before, filter_);

@@ -17,26 +17,29 @@ void ScanFusion::begin(const InitialState& first) {
   relation_.break_off();
   unfused_ = 0;
   odom_is_told_ = false;
-  first.at_rest ? velocity_search_.end() : velocity_search_.begin(first.filter);
+  had_imu_ = first.with_imu;
+  first.at_rest ? velocity_search_.end() : velocity_search_.begin(first);
 }
 
-UpdateSummary ScanFusion::fuse(const Scan& scan, FilterSnapshot& filter, StageListener* listener) {
+UpdateSummary ScanFusion::fuse(const Scan& scan, bool coasted, FilterSnapshot& filter, StageListener* listener) {
+  had_imu_ = had_imu_ || !coasted;
+  const bool alone = !had_imu_;
   const auto finished = [listener](Stage stage) {
     if (listener != nullptr) listener->finished(stage);
   };
   registration_.deskew(scan, filter.state.T_imu_lidar);
   finished(Stage::kDeskew);
   UpdateSummary update;
-  if (map().size() > 0) update = registration_.update(scan, filter, listener);
+  if (map().size() > 0) update = registration_.update(scan, alone, filter, listener);
   finished(Stage::kSolve);
-  absorb(update, filter);
+  absorb(update, alone, filter);
   finished(Stage::kInsert);
   return update;
 }
 
 /// What the update means for the map. While the velocity is being found scans are skewed by what is wrong with it, so each
 /// is compared with the one before only.
-void ScanFusion::absorb(const UpdateSummary& update, FilterSnapshot& filter) {
+void ScanFusion::absorb(const UpdateSummary& update, bool alone, FilterSnapshot& filter) {
   const bool makes_map = registration_.segments() >= config_.registration.update.min_inliers;
   const bool first = map().size() == 0 && makes_map;
   const bool searching = velocity_search_.is_on();
@@ -50,7 +53,7 @@ void ScanFusion::absorb(const UpdateSummary& update, FilterSnapshot& filter) {
   if (restarted_) ++stats_.map_restarts;
   const NewMap new_map{.defines_odom = searching || !odom_is_told_, .moving = skewed || gives_up};
   if (first || gives_up || skewed) begin_map(new_map, filter);
-  if (unfused_ == 0) registration_.insert(filter.state);
+  if (unfused_ == 0) registration_.insert(filter.state, alone);
   odom_is_told_ = true;
 }
 

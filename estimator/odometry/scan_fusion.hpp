@@ -32,8 +32,8 @@ class ScanFusion {
   ScanMotion& motion() { return registration_.motion(); }
   /// De-skews the scan, updates `filter` (at the scan's end) with it and inserts it into the map; where there is no map to
   /// compare with it begins one. The filter is unchanged when the summary says that nothing fused. No allocation.
-  /// listener hears of every stage; may be null.
-  UpdateSummary fuse(const Scan& scan, FilterSnapshot& filter, StageListener* listener);
+  /// coasted: no IMU measured any of the scan's motion. listener hears of every stage; may be null.
+  UpdateSummary fuse(const Scan& scan, bool coasted, FilterSnapshot& filter, StageListener* listener);
 
   /// The map's walk while the vehicle moved from the posterior before to `filter`. Once a scan, after fuse().
   void carry_drift(const FilterSnapshot& before, FilterSnapshot& filter);
@@ -49,7 +49,7 @@ class ScanFusion {
   const ScanFusionStats& stats() const { return stats_; }
 
  private:
-  void absorb(const UpdateSummary& update, FilterSnapshot& filter);
+  void absorb(const UpdateSummary& update, bool alone, FilterSnapshot& filter);
   struct NewMap {
     bool defines_odom;   // no pose was told yet that it could contradict
     bool moving;         // its first scans are skewed
@@ -62,6 +62,7 @@ class ScanFusion {
   VelocitySearch velocity_search_;
   KeyframeRelation relation_;
   std::uint32_t unfused_ = 0;
+  bool had_imu_ = true;         // at any time since the start; without, the LiDAR is alone and believed whole
   bool odom_is_told_ = false;   // poses of this odom are out: a new map must carry their uncertainty on
   bool restarted_ = false;
   ScanFusionStats stats_;

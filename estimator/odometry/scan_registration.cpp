@@ -5,6 +5,15 @@ namespace slamd {
 namespace {
 
 constexpr std::size_t kMaxKnots = 4'096;
+constexpr int kPassesAlone = 3;   // each de-skews by the motion that the one before found
+
+/// Where no IMU holds the prior the scan is all there is: it is believed whole however young the map, and every iteration
+/// associates anew.
+IeskfConfig without_imu(IeskfConfig config) {
+  config.mature_viewpoints = 1.0;
+  config.associate_again_m = 0.0;
+  return config;
+}
 
 }  // namespace
 
@@ -27,21 +36,42 @@ void ScanRegistration::deskew(const Scan& scan, const Pose& T_imu_lidar) {
   for (std::size_t i = 0; i < most; ++i) chosen_.push_back(deskewed_[i * deskewed_.size() / most]);
 }
 
-UpdateSummary ScanRegistration::update(const Scan& scan, FilterSnapshot& filter, StageListener* listener) {
-  const Pose T_odom_prior = filter.state.T_odom_imu();
-  const UpdateSummary summary = slamd::update(config_.update, chosen_, residuals_, map_, filter, listener);
+UpdateSummary ScanRegistration::update(const Scan& scan, bool alone, FilterSnapshot& filter,
+                                       StageListener* listener) {
+  // A prior that is off by more went wrong before this scan, and says nothing of the motion during it.
+  constexpr double kMostSigma_m = 0.3;
+  const auto position = filter.covariance.block<3, 3>(ErrorIndex::kPosition, ErrorIndex::kPosition);
+  alone = alone && position.trace() < kMostSigma_m * kMostSigma_m;
+  if (!alone) return pass(scan, config_.update, filter, listener);
+  const IeskfConfig config = without_imu(config_.update);
+  const FilterSnapshot prior = filter;
+  UpdateSummary summary;
+  for (int i = 0; i < kPassesAlone; ++i) {
+    filter = prior;
+    summary = pass(scan, config, filter, listener);
+    if (!summary.fused) break;
+  }
+  return summary;
+}
+
+UpdateSummary ScanRegistration::pass(const Scan& scan, const IeskfConfig& config, FilterSnapshot& filter,
+                                     StageListener* listener) {
+  const UpdateSummary summary = slamd::update(config, chosen_, residuals_, map_, filter, listener);
   if (summary.fused) {
-    motion_.bend(T_odom_prior.inverse() * filter.state.T_odom_imu());
+    motion_.bend(motion_.end().inverse() * filter.state.T_odom_imu());
     deskew(scan, filter.state.T_imu_lidar);
   }
   return summary;
 }
 
-void ScanRegistration::insert(const InertialState& state) {
+void ScanRegistration::insert(const InertialState& state, bool alone) {
   const Pose T_odom_lidar = state.T_odom_lidar();
   const Eigen::Matrix3f R = T_odom_lidar.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f t = T_odom_lidar.translation.cast<float>();
+  const std::uint32_t viewpoints = map_.viewpoints();
   map_.maintain(t);
+  // Scans of one place that follow each other agree on whatever wrong pose the first few had.
+  if (alone && map_.viewpoints() == viewpoints) return;
   for (const MeasuredPoint& point : deskewed_) map_.insert(R * point.p_lidar + t);
 }
 

@@ -26,10 +26,10 @@ class ScanRegistration {
   /// Moves the scan's segments to the scan's end. Once a scan, before update() and insert().
   void deskew(const Scan& scan, const Pose& T_imu_lidar);
   /// Fuses the de-skewed segments; see slamd::update. When it did, the segments are de-skewed anew by the motion that the
-  /// posterior implies.
-  UpdateSummary update(const Scan& scan, FilterSnapshot& filter, StageListener* listener);
-  /// Adds the de-skewed segments to the map at the filter's pose.
-  void insert(const InertialState& state);
+  /// posterior implies. alone: no IMU has ever measured any motion, a scan's own is a guess.
+  UpdateSummary update(const Scan& scan, bool alone, FilterSnapshot& filter, StageListener* listener);
+  /// Adds the de-skewed segments to the map at the filter's pose; alone only from a new viewpoint.
+  void insert(const InertialState& state, bool alone);
 
   /// Of the de-skewed scan.
   std::size_t segments() const { return deskewed_.size(); }
@@ -38,6 +38,8 @@ class ScanRegistration {
   const PlaneMap& map() const { return map_; }
 
  private:
+  UpdateSummary pass(const Scan& scan, const IeskfConfig& config, FilterSnapshot& filter, StageListener* listener);
+
   ScanRegistrationConfig config_;
   ScanMotion motion_;
   std::vector<MeasuredPoint> deskewed_;  // all segments

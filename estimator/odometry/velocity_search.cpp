@@ -4,14 +4,15 @@ namespace slamd {
 
 using I = ErrorIndex;
 
-void VelocitySearch::begin(const FilterSnapshot& initial) {
-  initial_ = initial;
-  left_ = config_.scans + config_.settling_scans;
+void VelocitySearch::begin(const InitialState& initial) {
+  initial_ = initial.filter;
+  settling_ = initial.with_imu ? config_.settling_scans : 0;
+  left_ = config_.scans + settling_;
 }
 
 bool VelocitySearch::fused(const UpdateSummary& update, FilterSnapshot& filter) {
   --left_;
-  const bool unknown = left_ >= config_.settling_scans;
+  const bool unknown = left_ >= settling_;
   if (unknown) keep_velocity(update, filter);
   return unknown || left_ == 0;
 }

@@ -3,6 +3,7 @@
 // they say of the velocity is kept. Owns no map.
 
 #include "estimator/filter/ieskf.hpp"
+#include "estimator/filter/initialisation.hpp"
 
 namespace slamd {
 
@@ -18,8 +19,8 @@ class VelocitySearch {
  public:
   explicit VelocitySearch(const VelocitySearchConfig& config) : config_{config} {}
 
-  /// Begins with the first state of a moving vehicle.
-  void begin(const FilterSnapshot& initial);
+  /// Begins with the first state of a moving vehicle. Without an IMU nothing settles: no bias and no gravity are learnt.
+  void begin(const InitialState& initial);
   void end() { left_ = 0; }
 
   bool is_on() const { return left_ > 0; }
@@ -35,6 +36,7 @@ class VelocitySearch {
 
   VelocitySearchConfig config_;
   FilterSnapshot initial_;
+  std::uint32_t settling_ = 0;  // of left_
   std::uint32_t left_ = 0;
 };
 

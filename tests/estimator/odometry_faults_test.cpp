@@ -44,6 +44,14 @@ TEST_F(Faults, AnImuGapOfTwoSeconds) {
   expect_said_and_survived(StatusReason::kNoImu, 0.1);
 }
 
+TEST_F(Faults, WithoutAnyImuAVehicleThatStartsFromRestIsFollowed) {
+  drive_ = SyntheticDrive{SwingingMotion{.start_s = 4.5}};
+  run(11.0, [](double, ImuSample&) { return false; });
+  EXPECT_EQ(results_.back().state.status, TrackingStatus::kDegraded);
+  EXPECT_TRUE(has(results_.back().state, StatusReason::kNoImu));
+  EXPECT_LT(worst_error(1.5), 0.15);
+}
+
 TEST_F(Faults, AnImuThatIsStuckIsAbsent) {
   ImuSample stuck;
   run(9.0, [&](double t, ImuSample& sample) {
@@ -288,14 +296,14 @@ TEST_F(Faults, AStateThatIsNoNumberAnyMoreStartsOver) {
 
 TEST_F(Faults, AMovingStartThatFindsNoVelocityIsLostInTimeAndRecovers) {
   drive_ = SyntheticDrive{SwingingMotion{.start_s = -3.0}};
-  run(12.0, keep_sample, [](double t, LidarPacket& packet) {
-    if (t < 6.0) packet.point_count = 0;
+  run(18.0, keep_sample, [](double t, LidarPacket& packet) {
+    if (t < 11.0) packet.point_count = 0;
     return true;
   });
   for (const ScanResult& result : results_) {
     const double t = seconds(result);
-    EXPECT_TRUE(t > 3.0 || result.state.status == TrackingStatus::kInitialising) << "at " << t;
-    EXPECT_TRUE(t < 3.6 || t > 6.0 || result.state.status == TrackingStatus::kLost) << "at " << t;
+    EXPECT_TRUE(t > 8.0 || result.state.status == TrackingStatus::kInitialising) << "at " << t;
+    EXPECT_TRUE(t < 8.6 || t > 11.0 || result.state.status == TrackingStatus::kLost) << "at " << t;
   }
   EXPECT_EQ(results_.back().state.status, TrackingStatus::kTracking) << "reasons " << results_.back().state.reasons;
 }

@@ -13,7 +13,7 @@ class Search : public ::testing::Test {
     initial_.time = from_ns<HostTime>(5'000'000'000);
     initial_.covariance.diagonal().setConstant(0.01);
     initial_.covariance.block<3, 3>(I::kVelocity, I::kVelocity) = 64.0 * Eigen::Matrix3d::Identity();
-    search_.begin(initial_);
+    search_.begin({.filter = initial_});
     filter_ = initial_;
     filter_.state.v_odom_imu = {7.0, 1.0, 0.0};
     filter_.state.gyro_bias = {0.05, 0.0, 0.0};

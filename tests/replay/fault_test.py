@@ -80,10 +80,10 @@ class Faults(unittest.TestCase):
         self.assert_accurate(outcome)
 
     def test_without_an_imu_it_goes_on_and_is_degraded_throughout(self):
-        """How wrong it is then is in docs/faults.md."""
         outcome = self.run_case("no_imu")
         self.assertEqual(outcome.statuses() - {"INITIALISING"}, {"DEGRADED"})
         self.assertIn("no_imu", outcome.reasons(29.0))
+        self.assertLess(outcome.worst_m(), 1.0)
 
     def test_a_jump_of_the_lidars_clock_is_followed(self):
         outcome = self.run_case("lidar_jump")
