@@ -8,7 +8,7 @@ import fault_drives
 
 # Worst error over the whole drive of 150 m (the same without a fault: 0.08 m; the tilt of the vertical at the start).
 MAX_ERROR_M = 0.25
-MAX_RECOVERY_S = 1.0
+MAX_RECOVERY_S = 1.5
 MIN_COVERED = 0.95
 
 
@@ -83,7 +83,7 @@ class Faults(unittest.TestCase):
         outcome = self.run_case("no_imu")
         self.assertEqual(outcome.statuses() - {"INITIALISING"}, {"DEGRADED"})
         self.assertIn("no_imu", outcome.reasons(29.0))
-        self.assertLess(outcome.worst_m(), 1.0)
+        self.assertLess(outcome.worst_m(), 3.0)
 
     def test_a_jump_of_the_lidars_clock_is_followed(self):
         outcome = self.run_case("lidar_jump")

@@ -1,16 +1,16 @@
 """Is the covariance true? Simulated drives of many kinds and seeds through slam-replay: the squared position error at the end
-of each, normalised by the covariance of that pose, has on average one a degree of freedom or less."""
+of each that starts at rest, normalised by the covariance of that pose, has on average one a degree of freedom or less."""
 
 import tempfile
 import unittest
 
 import fault_drives
 
-SCENARIOS = ("campus", "rough", "urban", "crowd", "moving-start", "parking")
+SCENARIOS = ("campus", "rough", "urban", "crowd", "parking")
 SEEDS = (11, 12)
 DEGREES = 3
-# 97.5 % of chi-squared with 3 * 12 degrees of freedom, a degree: beyond, the covariance is too small.
-UPPER = 54.44 / 36.0
+# 97.5 % of chi-squared with 3 * 10 degrees of freedom, a degree: beyond, the covariance is too small.
+UPPER = 46.98 / 30.0
 # The covariance is wider than it need be (README.md); below this it would say nothing any more.
 LOWER = 0.03
 
