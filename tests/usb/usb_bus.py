@@ -77,11 +77,12 @@ class Bus:
         node = f"/dev/bus/usb/001/{number:03d}"
         device.gone = False
         path = f"/devices/pci0000:00/usb1/1-{port}"
+        # The node's answers come first: who finds a node without them is ended by umockdev.
+        UsbfsNode(device).attach(self.testbed, node)
         self.testbed.add_from_string(
             f"P: {path}\nN: bus/usb/001/{number:03d}\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: DEVNAME={node}\n"
             f"E: BUSNUM=001\nE: DEVNUM={number:03d}\nA: busnum=1\\n\nA: devnum={number}\\n\nA: speed=12\\n\n"
             f"A: bConfigurationValue=1\\n\nH: descriptors={device.descriptors().hex().upper()}\n")
-        UsbfsNode(device).attach(self.testbed, node)
         self.plugged[port] = (device, "/sys" + path)
         return self.node_file(node)
 
