@@ -160,7 +160,7 @@ TEST_P(SimWorlds, AreRepeatableAndLeaveTheLaneFree) {
 
 INSTANTIATE_TEST_SUITE_P(All, SimWorlds,
                          testing::Values(WorldKind::kCampus, WorldKind::kCorridor, WorldKind::kParking,
-                                         WorldKind::kOpenField, WorldKind::kUrban));
+                                         WorldKind::kOpenField, WorldKind::kUrban, WorldKind::kHills));
 
 }  // namespace
 }  // namespace slamd::sim

@@ -7,6 +7,11 @@ void two_laps(DriveSpec& spec) {
   spec.course.kind = CourseKind::kTwoLaps;
 }
 
+void hills(DriveSpec& spec) {
+  spec.world = WorldKind::kHills;
+  spec.course.stop_every_m = 700.0;
+}
+
 void rough(DriveSpec& spec) {
   spec.course.length_m = 600.0;
   spec.course.slalom_m = 1.0;
@@ -43,6 +48,7 @@ const std::vector<Scenario>& scenarios() {
   static const std::vector<Scenario> kAll{
       {"campus", "900 m round a campus with stops (default)", [](DriveSpec&) {}},
       {"two-laps", "twice round one block of the campus", two_laps},
+      {"hills", "3 km round through streets over hills of 24 m", hills},
       {"rough", "600 m of campus swerving over bumps", rough},
       {"crowd", "campus among 45 moving cars and pedestrians", [](DriveSpec& spec) { spec.crowd = 45; }},
       {"moving-start", "600 m of campus, recording begins at full speed", moving_start},

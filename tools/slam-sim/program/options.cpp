@@ -11,6 +11,7 @@ namespace {
 
 const std::map<std::string, WorldKind> kWorlds{{"campus", WorldKind::kCampus},
                                                {"corridor", WorldKind::kCorridor},
+                                               {"hills", WorldKind::kHills},
                                                {"parking", WorldKind::kParking},
                                                {"open-field", WorldKind::kOpenField},
                                                {"urban", WorldKind::kUrban}};
@@ -144,6 +145,12 @@ void add_gps(CLI::App& app, DriveSpec& d) {
       ->capture_default_str();
   app.add_option("--gps-rate", d.gps.rate_hz, "Hz")->check(CLI::Range(0.1, 20.0))->capture_default_str();
   app.add_option("--gps-sigma", d.gps.correlated_m, "slow horizontal error, standard deviation, m")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--gps-correlation", d.gps.correlation_s, "the slow error lasts for so long, s")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--gps-white", d.gps.white_m, "horizontal error of each fix by itself, standard deviation, m")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--gps-latency", d.gps.latency_s, "s")->check(CLI::Range(0.0, 5.0))->capture_default_str();

@@ -1,4 +1,5 @@
-// Campus: two blocks of gently rolling ground within a street of 900 m, with buildings, trees, cars, poles and hedges.
+// Two blocks within a street, with buildings, trees, cars, poles and hedges: the campus of gently rolling ground, 900 m round,
+// and a hilly one, 3 km round.
 
 #include <algorithm>
 #include <cmath>
@@ -13,16 +14,35 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kWidth = 312.0, kDepth = 156.0;  // of the outer street
+struct Plan {
+  double width_m, depth_m;  // of the outer street
+  double hills_rms_m, shortest_hill_m, longest_hill_m;
+  int lawn_trees;
+};
+
+constexpr Plan kCampus{312.0, 156.0, 0.9, 70.0, 260.0, 120};
+constexpr Plan kHills{1000.0, 500.0, 7.0, 250.0, 800.0, 600};
+
 constexpr double kMargin = 75.0;
 constexpr double kHalfRoad = 3.6;
 constexpr double kLane = 1.75;
 
+constexpr double kBent = 12.0;  // no street is so far from the straight lines of the plan
+
 struct Streets {
+  Plan plan;
   Polyline outer;
   Polyline middle;
-  double distance(const Vector2d& p) const {
-    return std::min(distance_to(outer, true, p), distance_to(middle, false, p));
+
+  bool within(double reach_m, const Vector2d& p) const {
+    if (from_plan(p) > reach_m + kBent) return false;
+    return distance_to(outer, true, p) < reach_m || distance_to(middle, false, p) < reach_m;
+  }
+
+ private:
+  double from_plan(const Vector2d& p) const {
+    const double across = std::min({std::abs(p.x()), std::abs(p.x() - plan.width_m / 2), std::abs(p.x() - plan.width_m)});
+    return std::min({across, std::abs(p.y()), std::abs(p.y() - plan.depth_m)});
   }
 };
 
@@ -33,31 +53,32 @@ Warp bent_streets(Rng& rng) {
   };
 }
 
-Streets make_streets(const Warp& warp) {
-  const Polyline corners{{kWidth / 2, 0}, {kWidth, 0}, {kWidth, kDepth}, {0, kDepth}, {0, 0}};
-  return {warped(rounded(corners, true, 14.0, 2.0), warp),
-          warped(rounded({{kWidth / 2, 0}, {kWidth / 2, kDepth}}, false, 1.0, 2.0), warp)};
+Streets make_streets(const Plan& plan, const Warp& warp) {
+  const double w = plan.width_m, d = plan.depth_m;
+  const Polyline corners{{w / 2, 0}, {w, 0}, {w, d}, {0, d}, {0, 0}};
+  return {plan, warped(rounded(corners, true, 14.0, 2.0), warp),
+          warped(rounded({{w / 2, 0}, {w / 2, d}}, false, 1.0, 2.0), warp)};
 }
 
 /// Clockwise round the eastern block, anticlockwise round the western one; the middle street is driven twice
 /// northwards.
-Polyline eight_corners() {
-  const double m = kWidth / 2;
-  return {{m, 0}, {m, kDepth}, {kWidth, kDepth}, {kWidth, 0}, {m, 0}, {m, kDepth}, {0, kDepth}, {0, 0}};
+Polyline eight_corners(const Plan& plan) {
+  const double m = plan.width_m / 2, w = plan.width_m, d = plan.depth_m;
+  return {{m, 0}, {m, d}, {w, d}, {w, 0}, {m, 0}, {m, d}, {0, d}, {0, 0}};
 }
 
 void build_blocks(SceneBuilder& scene, const Streets& streets) {
   Rng& rng = scene.rng();
   std::vector<BuildingPlan> placed;
-  for (double y = -kMargin + 20; y < kDepth + kMargin; y += 36.0) {
-    for (double x = -kMargin + 20; x < kWidth + kMargin; x += 38.0) {
+  for (double y = -kMargin + 20; y < streets.plan.depth_m + kMargin; y += 36.0) {
+    for (double x = -kMargin + 20; x < streets.plan.width_m + kMargin; x += 38.0) {
       const Vector2d centre(x + rng.uniform(-7, 7), y + rng.uniform(-7, 7));
       const Vector2d half(rng.uniform(7, 16), rng.uniform(5, 10));
       const double reach = half.norm();
       const bool clear = std::all_of(placed.begin(), placed.end(), [&](const BuildingPlan& other) {
         return (other.centre - centre).norm() > reach + other.half.norm() + 3.0;
       });
-      if (!clear || streets.distance(centre) < reach + 7.0 || rng.chance(0.12)) continue;
+      if (!clear || streets.within(reach + 7.0, centre) || rng.chance(0.12)) continue;
       const Material wall = rng.chance(0.5) ? materials::kPlaster : materials::kBrick;
       placed.push_back({centre, half, rng.uniform(-0.25, 0.25), rng.uniform(5.5, 15.0), wall});
       scene.add_building(placed.back());
@@ -67,7 +88,7 @@ void build_blocks(SceneBuilder& scene, const Streets& streets) {
 
 void furnish_street(SceneBuilder& scene, const Streets& streets, const Polyline& street, bool closed) {
   Rng& rng = scene.rng();
-  const auto free = [&](const Vector2d& p, double clearance) { return streets.distance(p) > clearance; };
+  const auto free = [&](const Vector2d& p, double clearance) { return !streets.within(clearance, p); };
   for (const double side : {-1.0, 1.0}) {
     for (const RoadPlace& place : places_along(street, closed, 4.0, side * (kHalfRoad + 0.1))) {
       if (free(place.point, kHalfRoad))
@@ -93,32 +114,32 @@ void furnish_street(SceneBuilder& scene, const Streets& streets, const Polyline&
   }
 }
 
-void plant_lawn(SceneBuilder& scene, const Streets& streets, int trees) {
+void plant_lawn(SceneBuilder& scene, const Streets& streets) {
   Rng& rng = scene.rng();
-  for (int i = 0; i < trees; ++i) {
-    const Vector2d p(rng.uniform(-kMargin, kWidth + kMargin), rng.uniform(-kMargin, kDepth + kMargin));
-    if (streets.distance(p) > kHalfRoad + 6.0) scene.add_tree(p);
+  const double width = streets.plan.width_m, depth = streets.plan.depth_m;
+  for (int i = 0; i < streets.plan.lawn_trees; ++i) {
+    const Vector2d p(rng.uniform(-kMargin, width + kMargin), rng.uniform(-kMargin, depth + kMargin));
+    if (!streets.within(kHalfRoad + 6.0, p)) scene.add_tree(p);
   }
 }
 
-}  // namespace
-
-World make_campus(std::uint64_t seed) {
+World make_blocks(std::uint64_t seed, const Plan& plan) {
+  const double width = plan.width_m, depth = plan.depth_m;
   Rng rng{seed, Stream::kWorld, 1};
   const Warp warp = bent_streets(rng);
-  const Streets streets = make_streets(warp);
-  HeightField ground({-kMargin - 60, -kMargin - 60}, {kWidth + kMargin + 60, kDepth + kMargin + 60}, 1.0,
-                     rolling_hills(rng, 0.9, 70.0, 260.0));
-  ground.paint(materials::kPavement, [&](double x, double y) { return streets.distance({x, y}) < kHalfRoad + 2.6; });
-  ground.paint(materials::kAsphalt, [&](double x, double y) { return streets.distance({x, y}) < kHalfRoad; });
+  const Streets streets = make_streets(plan, warp);
+  HeightField ground({-kMargin - 60, -kMargin - 60}, {width + kMargin + 60, depth + kMargin + 60}, 1.0,
+                     rolling_hills(rng, plan.hills_rms_m, plan.shortest_hill_m, plan.longest_hill_m));
+  ground.paint(materials::kPavement, [&](double x, double y) { return streets.within(kHalfRoad + 2.6, {x, y}); });
+  ground.paint(materials::kAsphalt, [&](double x, double y) { return streets.within(kHalfRoad, {x, y}); });
   SceneBuilder scene{ground, seed};
   build_blocks(scene, streets);
   furnish_street(scene, streets, streets.outer, true);
   furnish_street(scene, streets, streets.middle, false);
-  plant_lawn(scene, streets, 120);
-  const Polyline eight = warped(rounded(eight_corners(), true, 14.0, 2.0), warp);
+  plant_lawn(scene, streets);
+  const Polyline eight = warped(rounded(eight_corners(plan), true, 14.0, 2.0), warp);
   const Polyline block =
-      warped(rounded({{80, 0}, {kWidth / 2, 0}, {kWidth / 2, kDepth}, {0, kDepth}, {0, 0}}, true, 14.0, 2.0), warp);
+      warped(rounded({{80, 0}, {width / 2, 0}, {width / 2, depth}, {0, depth}, {0, 0}}, true, 14.0, 2.0), warp);
   const Polyline line(streets.outer.begin(), streets.outer.begin() + 60);
   return {.ground = std::move(ground),
           .bodies = Bvh{scene.take()},
@@ -129,5 +150,11 @@ World make_campus(std::uint64_t seed) {
           .oncoming = {shifted(streets.outer, true, kLane), true},
           .pavement = {shifted(streets.outer, true, -(kHalfRoad + 2.3)), true}};
 }
+
+}  // namespace
+
+World make_campus(std::uint64_t seed) { return make_blocks(seed, kCampus); }
+
+World make_hills(std::uint64_t seed) { return make_blocks(seed, kHills); }
 
 }  // namespace slamd::sim

@@ -12,6 +12,8 @@ World make_world(WorldKind kind, std::uint64_t seed) {
       return make_open_field(seed);
     case WorldKind::kUrban:
       return make_urban(seed);
+    case WorldKind::kHills:
+      return make_hills(seed);
     case WorldKind::kCampus:
       break;
   }
