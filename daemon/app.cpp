@@ -9,9 +9,9 @@
 namespace slamd {
 
 Result<std::unique_ptr<App>> App::open(const Config& config, const std::string& version,
-                                       const std::string& record_folder) {
+                                       const std::string& record_folder, UniqueFd kept_page) {
   if (config.real_time.lock_memory) keep_stacks_small();
-  Result<PosePublisher> publisher = PosePublisher::create();
+  Result<PosePublisher> publisher = PosePublisher::create(std::move(kept_page));
   if (!publisher) return Error{publisher.reason()};
   auto streams = std::make_unique<Streams>();
   Result<LidarThread> lidar = LidarThread::open(config.lidar, config.vlp16, *streams);
@@ -61,7 +61,7 @@ App::App(const Config& config, const std::string& version, PosePublisher publish
   register_probes();
 }
 
-Result<void> App::start() {
+Result<void> App::start(UniqueFd listening) {
   const RealTimeConfig& rt = config_.real_time;
   const Result<void> memory_locked = rt.lock_memory ? lock_memory() : Result<void>{};
   if (recorder_) start_thread({"slamd-recorder"}, *recorder_);
@@ -71,7 +71,7 @@ Result<void> App::start() {
   start_thread({"slamd-imu", rt.imu_priority, rt.driver_cpu}, imu_);
   start_thread({"slamd-lidar", rt.lidar_priority, rt.driver_cpu}, lidar_);
   tell_refusals(memory_locked);
-  const Result<void> served = server_.start();
+  const Result<void> served = server_.start(std::move(listening));
   if (!served) stop();
   return served;
 }
@@ -84,6 +84,22 @@ bool App::supervise() {
     return false;
   }
   return true;
+}
+
+std::vector<std::string> App::reload(const Config& wanted) {
+  const ConfigChanges changed = changes(config_, wanted);
+  if (!changed.fixed.empty()) return changed.fixed;
+  config_.server = wanted.server;
+  config_.log = wanted.log;
+  server_.reconfigure(config_.server);
+  supervisor_.set_repeat_period(config_.log.repeat_period);
+  return {};
+}
+
+void App::watch(Watchdog& watchdog) {
+  watchdog.watch("estimator", [this] { return estimator_.passes(); });
+  watchdog.watch("imu", [this] { return imu_.passes(); });
+  watchdog.watch("server", [this] { return server_.heartbeats(); });
 }
 
 void App::stop() {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/config/config.hpp"
+#include "daemon/service/watchdog.hpp"
 #include "daemon/threads/mapping_thread.hpp"
 #include "daemon/threads/supervisor.hpp"
 #include "daemon/threads/worker.hpp"
@@ -17,16 +18,32 @@ namespace slamd {
 class App {
  public:
   /// Takes all memory that the configuration asks for and binds the LiDAR's ports; fails when it cannot. With a folder
-  /// all that the sensors send is recorded there.
+  /// all that the sensors send is recorded there. kept_page: the pose page of the daemon before this one, if any.
   static Result<std::unique_ptr<App>> open(const Config& config, const std::string& version,
-                                           const std::string& record_folder = "");
+                                           const std::string& record_folder = "", UniqueFd kept_page = {});
   ~App() { stop(); }
 
-  /// Starts every thread, consumers before producers, then the server. On failure nothing is left running.
-  Result<void> start();
+  /// Starts every thread, consumers before producers, then the server, on `listening` when that is a socket. On failure
+  /// nothing is left running.
+  Result<void> start(UniqueFd listening = {});
 
   /// One look at all threads, for the log. False when a thread has ended by itself: the daemon should stop.
   bool supervise();
+
+  /// Takes over the changes of `wanted`, all of them or none. Returns the keys that only a restart can change: empty when
+  /// it was done.
+  std::vector<std::string> reload(const Config& wanted);
+
+  /// Names every part whose standstill is a fault. They must not be asked after the app has gone.
+  void watch(Watchdog& watchdog);
+
+  /// How all stands now, in one line for people.
+  std::string summary() const { return supervisor_.summary(); }
+
+  void log(LogLevel level, const std::string& line) { log_.write(level, line); }
+
+  /// The pose page, for open() of the next daemon.
+  int page_to_keep() const { return publisher_.keep_fd(); }
 
   /// Stops in reverse order of the start, within a second; idempotent.
   void stop();
@@ -47,7 +64,7 @@ class App {
   void add_source(const std::string& name, const HealthBoard::SourceProbe& probe);
   void add_ring(const std::string& name, const HealthBoard::RingProbe& probe);
 
-  const Config config_;
+  Config config_;
   Log log_;
   PosePublisher publisher_;
   MapStore map_;

@@ -41,6 +41,19 @@ Loaded<Config> load_config(const std::string& path, const std::vector<std::strin
   return loaded;
 }
 
+ConfigChanges changes(const Config& running, const Config& wanted) {
+  Config before = running;
+  Config after = wanted;
+  const std::vector<Field> old_fields = config_fields(before);
+  const std::vector<Field> new_fields = config_fields(after);
+  ConfigChanges found;
+  for (std::size_t i = 0; i < old_fields.size(); ++i) {
+    if (value_text(old_fields[i]) == value_text(new_fields[i])) continue;
+    (old_fields[i].live ? found.live : found.fixed).push_back(old_fields[i].key);
+  }
+  return found;
+}
+
 Loaded<VehicleGeometry> load_vehicle(const std::string& path) {
   Loaded<VehicleGeometry> loaded{reference_vehicle(), {}};
   loaded.faults = read_yaml_file(path, vehicle_fields(loaded.value));
@@ -51,7 +64,8 @@ std::string print_config(const Config& config) {
   Config copy = config;
   return "# Configuration of slamd: every key with its default. Unknown keys are errors; keys left out keep the "
          "default.\n"
-         "# Check a file with `slamd --config FILE --check`; this file is the output of `slamd --print-config`.\n\n" +
+         "# Check a file with `slamd --config FILE --check`; this file is the output of `slamd --print-config`.\n"
+         "# Keys marked [reload] are taken over by a running slamd on SIGHUP (systemctl reload slamd).\n\n" +
          print_yaml(config_fields(copy));
 }
 

@@ -60,6 +60,13 @@ struct Loaded {
 /// can get wrong. Never throws on bad input.
 Loaded<Config> load_config(const std::string& path, const std::vector<std::string>& overrides = {});
 
+/// Keys whose values differ. A change of `live` keys alone can be taken over while slamd runs; `fixed` need a restart.
+struct ConfigChanges {
+  std::vector<std::string> live;
+  std::vector<std::string> fixed;
+};
+ConfigChanges changes(const Config& running, const Config& wanted);
+
 /// vehicle.yaml of a drive folder: T_base_lidar, T_base_imu (translation_m, rotation_quat_xyzw), p_base_antenna.
 /// Keys that it does not have keep the reference vehicle's value.
 Loaded<VehicleGeometry> load_vehicle(const std::string& path);

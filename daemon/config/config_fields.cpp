@@ -12,6 +12,7 @@ constexpr FieldRange kPort{1, 65535};
 constexpr FieldRange kPriority{0, 99};
 constexpr FieldRange kCpu{-1, 1023};
 constexpr FieldRange kLatency{0, 0.5};
+constexpr bool kLive = true;
 
 using Fields = std::vector<Field>;
 
@@ -70,24 +71,30 @@ Fields gnss_fields(GnssThreadConfig& t, NmeaParser::Config& d) {
 Fields server_fields(ServerConfig& c) {
   return {
       {"server.socket", &c.socket_path, "", {1, 107}, "path of the Unix socket for clients"},
-      {"server.save_dir", &c.save_dir, "", kSomeText, "folder that save_map writes into"},
-      {"server.max_clients", &c.limits.max_clients, "", {1, 4096}, "more are refused"},
+      {"server.save_dir", &c.save_dir, "", kSomeText, "folder that save_map writes into",
+       kLive},
+      {"server.max_clients", &c.limits.max_clients, "", {1, 4096}, "more are refused",
+       kLive},
       {"server.max_request_bytes",
        &c.limits.max_request_bytes,
        "B",
        {1024, 1 << 24},
-       "sender of a longer line is dropped"},
-      {"server.max_requests_per_s", &c.limits.max_requests_per_s, "1/s", {1, 1e6}, "of one client; more have to wait"},
+       "sender of a longer line is dropped",
+       kLive},
+      {"server.max_requests_per_s", &c.limits.max_requests_per_s, "1/s", {1, 1e6}, "of one client; more have to wait",
+       kLive},
       {"server.max_outbound_bytes",
        &c.limits.max_outbound_bytes,
        "B",
        {4096, 1 << 28},
-       "waiting for one client; then its notifications are lost"},
+       "waiting for one client; then its notifications are lost",
+       kLive},
       {"server.stall_timeout_s",
        &c.limits.stall_timeout_s,
        "s",
        {0.1, 3600},
-       "a client that takes nothing for so long is dropped"},
+       "a client that takes nothing for so long is dropped",
+       kLive},
       {"server.max_jobs", &c.limits.max_jobs, "", {1, 1000}, "maps and files being made or waiting for it"},
   };
 }
@@ -132,7 +139,8 @@ Fields log_fields(LogConfig& c) {
        &c.repeat_period,
        "s",
        {0, 3600},
-       "a subject that changes more often is told so often only"},
+       "a subject that changes more often is told so often only",
+       kLive},
   };
 }
 

@@ -34,6 +34,7 @@ struct Field {
   std::string_view unit;  // "" when the value has none
   FieldRange range;
   std::string_view doc;  // one sentence, no line break
+  bool live = false;     // may change while slamd runs, by a reload
 };
 
 /// Reads the scalars of one YAML value (one, or the items of a list) into the field's slot.

@@ -106,14 +106,18 @@ std::vector<std::string_view> split(std::string_view key) {
   return parts;
 }
 
-/// "# sentence [unit; min .. max]"
+/// "# sentence [unit; min .. max; reload]"
 std::string comment(const Field& field) {
-  const std::string range = range_text(field);
-  std::string text = "# " + std::string{field.doc};
-  if (field.unit.empty() && range.empty()) return text;
-  text += " [" + std::string{field.unit};
-  if (!field.unit.empty() && !range.empty()) text += "; ";
-  return text + range + "]";
+  std::string notes;
+  const auto note = [&notes](std::string_view text) {
+    if (text.empty()) return;
+    notes += notes.empty() ? " [" : "; ";
+    notes += text;
+  };
+  note(field.unit);
+  note(range_text(field));
+  if (field.live) note("reload");
+  return "# " + std::string{field.doc} + notes + (notes.empty() ? "" : "]");
 }
 
 }  // namespace

@@ -24,6 +24,10 @@ class Seqlock {
     sequence_.store(sequence + 2, std::memory_order_release);
   }
 
+  /// For a writer that takes over from one that has died, perhaps inside store(): as if nothing was ever stored. Readers
+  /// may be reading.
+  void clear() { sequence_.store(0, std::memory_order_release); }
+
   /// Any thread. False when nothing was ever stored, or when no quiet moment came within `attempts` tries (a writer
   /// that died inside store() leaves the block so for ever); then `words` is unspecified.
   bool load(Words& words, int attempts = kAttempts) const {

@@ -60,8 +60,19 @@ Result<ListeningSocket> ListeningSocket::open(const std::string& path, int backl
   return listening;
 }
 
+Result<ListeningSocket> ListeningSocket::adopt(UniqueFd socket) {
+  const auto option = [&socket](int name) {
+    int value = -1;
+    socklen_t bytes = sizeof value;
+    return ::getsockopt(socket.get(), SOL_SOCKET, name, &value, &bytes) == 0 ? value : -1;
+  };
+  const bool fits = option(SO_DOMAIN) == AF_UNIX && option(SO_TYPE) == SOCK_STREAM && option(SO_ACCEPTCONN) == 1;
+  if (!fits) return Error{"the socket that was handed over is no listening Unix stream socket"};
+  return ListeningSocket{"", {}, std::move(socket)};
+}
+
 ListeningSocket::~ListeningSocket() {
-  if (socket_) ::unlink(path_.c_str());
+  if (socket_ && !path_.empty()) ::unlink(path_.c_str());
 }
 
 }  // namespace slamd

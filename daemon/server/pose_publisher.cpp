@@ -3,6 +3,7 @@
 #include <sys/eventfd.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace slamd {
 namespace {
@@ -14,9 +15,10 @@ void copy_pose(const Pose& pose, std::array<double, 3>& position_m, std::array<d
 
 }  // namespace
 
-Result<PosePublisher> PosePublisher::create() {
-  std::optional<PosePageWriter> page = PosePageWriter::create();
-  if (!page) return Error{"no memory file for the pose page (memfd with sealing, Linux 5.1 or newer)"};
+Result<PosePublisher> PosePublisher::create(UniqueFd kept_page) {
+  std::optional<PosePageWriter> kept = PosePageWriter::adopt(std::move(kept_page));
+  std::optional<PosePageWriter> page = kept ? std::move(kept) : PosePageWriter::create();
+  if (!page) return Error{"no memory file for the pose page (memfd with sealing, and /proc)"};
   UniqueFd wake{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)};
   if (!wake) return Error{"no eventfd"};
   return PosePublisher{std::move(*page), std::move(wake)};

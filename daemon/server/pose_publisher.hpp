@@ -13,8 +13,9 @@ namespace slamd {
 
 class PosePublisher {
  public:
-  /// Makes the page and the wake-up; fails when the kernel gives no memfd or eventfd.
-  static Result<PosePublisher> create();
+  /// Takes over the page that an earlier daemon kept, or makes one when kept_page is none; makes the wake-up. Fails when
+  /// the kernel gives no memfd or eventfd.
+  static Result<PosePublisher> create(UniqueFd kept_page = {});
 
   /// One (real-time) thread. Writes the page and wakes the server: one non-blocking system call, no allocation.
   /// state       newest state, host time, odom
@@ -25,7 +26,8 @@ class PosePublisher {
   /// Any thread. The newest sample; nullopt before the first publish().
   std::optional<PoseSample> newest() const { return page_.read(); }
 
-  int page_fd() const { return page_.fd(); }      // sealed: may be handed to clients
+  int page_fd() const { return page_.fd(); }      // read-only: may be handed to clients
+  int keep_fd() const { return page_.keep_fd(); }  // for create() of the next daemon; not for clients
   int wake_fd() const { return wake_.get(); }     // eventfd, readable after publish(); for the server alone
 
  private:

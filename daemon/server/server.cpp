@@ -63,7 +63,8 @@ class Server::Impl {
         sources_{sources},
         methods_{config_, sources_, std::move(version), [this] { return counts_.to_json(); }} {}
 
-  Result<void> start();
+  Result<void> start(UniqueFd listening);
+  void reconfigure(const ServerConfig& config);
   void stop();
 
   std::atomic<std::uint64_t> heartbeats{0};
@@ -98,8 +99,9 @@ class Server::Impl {
   std::thread thread_;
 };
 
-Result<void> Server::Impl::start() {
-  Result<ListeningSocket> listening = ListeningSocket::open(config_.socket_path, kBacklog);
+Result<void> Server::Impl::start(UniqueFd handed_over) {
+  Result<ListeningSocket> listening = handed_over ? ListeningSocket::adopt(std::move(handed_over))
+                                                  : ListeningSocket::open(config_.socket_path, kBacklog);
   if (!listening) return Error{listening.reason()};
   listening_.emplace(std::move(listening).value());
   try {
@@ -126,6 +128,13 @@ void Server::Impl::run() {
       ++counts_.internal_errors;
     }
   }
+}
+
+void Server::Impl::reconfigure(const ServerConfig& config) {
+  asio::post(io_, [this, config] {
+    config_.save_dir = config.save_dir;
+    config_.limits = config.limits;
+  });
 }
 
 void Server::Impl::stop() {
@@ -236,10 +245,12 @@ Server::Server(ServerConfig config, ServerSources sources, std::string version) 
 
 Server::~Server() { stop(); }
 
-Result<void> Server::start() {
+Result<void> Server::start(UniqueFd listening) {
   const SignalsBlocked blocked;
-  return impl_->start();
+  return impl_->start(std::move(listening));
 }
+
+void Server::reconfigure(const ServerConfig& config) { impl_->reconfigure(config); }
 
 void Server::stop() { impl_->stop(); }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "daemon/health/health_board.hpp"
+#include "daemon/ring/unique_fd.hpp"
 #include "daemon/server/pose_publisher.hpp"
 #include "daemon/store/map_store.hpp"
 #include "daemon/store/trajectory_store.hpp"
@@ -44,9 +45,12 @@ class Server {
   Server(ServerConfig config, ServerSources sources, std::string version);
   ~Server();  // stops
 
-  /// Binds the socket (mode 0660; a stale one is replaced; a second instance is refused) and starts the threads:
-  /// one for all sockets, one for long jobs. On failure nothing is left behind.
-  Result<void> start();
+  /// Binds the socket (mode 0660; a stale one is replaced; a second instance is refused), or takes the one that is handed
+  /// over, and starts the threads: one for all sockets, one for long jobs. On failure nothing is left behind.
+  Result<void> start(UniqueFd listening = {});
+
+  /// Any thread, while it runs. The folder and the limits but max_jobs hold from now on, those of requests for new clients.
+  void reconfigure(const ServerConfig& config);
 
   /// Ends both threads, closes all clients, removes the socket. Idempotent.
   void stop();

@@ -32,6 +32,8 @@ class ChangeLog {
   /// how many changes there were in between ("changes=7"). Call it with every look.
   void look(const std::string& subject, const Condition& now, HostTime at);
 
+  void set_repeat_period(Duration period) { repeat_period_ = period; }
+
  private:
   struct Subject {
     bool told = false;

@@ -24,6 +24,7 @@ EstimatorThread::EstimatorThread(const EstimatorThreadConfig& config, const Vehi
 
 void EstimatorThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
+    passes_.fetch_add(1, std::memory_order_relaxed);
     if (take_event(host_now())) {
       take_scans();
     } else {

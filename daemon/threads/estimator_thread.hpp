@@ -28,6 +28,8 @@ class EstimatorThread {
   void run(const std::stop_token& stop);
 
   /// Any thread.
+  /// Looks at the rings: grows a thousand times a second while the thread works, food for a watchdog.
+  std::uint64_t passes() const { return passes_.load(std::memory_order_relaxed); }
   std::uint64_t scans() const { return scans_.load(std::memory_order_relaxed); }
   std::uint64_t keyframes() const { return keyframe_count_.load(std::memory_order_relaxed); }
   /// Events out of order of arrival; with none, a replay of the recorded bytes gives the same bits.
@@ -47,6 +49,7 @@ class EstimatorThread {
   Streams& streams_;
   Histogram scan_time_;
   Histogram scan_latency_;
+  std::atomic<std::uint64_t> passes_{0};
   std::atomic<std::uint64_t> scans_{0};
   std::atomic<std::uint64_t> keyframe_count_{0};
   std::atomic<std::uint64_t> late_events_{0};

@@ -37,6 +37,7 @@ void ImuThread::run(const std::stop_token& stop) {
     const HostTime now = host_now();
     if (now - last_published_ >= config_.silence) carry_on(now);
     tell();
+    passes_.fetch_add(1, std::memory_order_relaxed);
   }
 }
 

@@ -2,6 +2,7 @@
 // The IMU's thread: serial bytes to samples for the estimator, and each sample at once to a new pose on the pose page,
 // also while a scan is being fused. Real-time; when the IMU is silent it publishes the pose all the same.
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <stop_token>
@@ -45,6 +46,8 @@ class ImuThread {
   void run(const std::stop_token& stop);
 
   /// Any thread.
+  /// Reads of the port, also of a silent or absent one: food for a watchdog.
+  std::uint64_t passes() const { return passes_.load(std::memory_order_relaxed); }
   ImuReport report() const { return report_.load().value_or(ImuReport{}); }
   /// Arrival of an IMU frame to its pose on the page.
   const Histogram& imu_to_page() const { return imu_to_page_; }
@@ -66,6 +69,7 @@ class ImuThread {
   HostTime last_posterior_;
   HostTime last_published_;
   ImuReport now_;
+  std::atomic<std::uint64_t> passes_{0};
   Histogram imu_to_page_;
   LatestValue<ImuReport> report_;
 };

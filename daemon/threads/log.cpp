@@ -3,12 +3,23 @@
 #include <spdlog/async.h>
 #include <spdlog/sinks/stdout_sinks.h>
 
+#include "daemon/threads/journal_sink.hpp"
+
 namespace slamd {
+namespace {
+
+spdlog::sink_ptr make_sink() {
+  if (stderr_is_journal()) return std::make_shared<JournalSink>();
+  auto sink = std::make_shared<spdlog::sinks::stderr_sink_mt>();
+  sink->set_pattern("%Y-%m-%dT%H:%M:%S.%e %l %v");
+  return sink;
+}
+
+}  // namespace
 
 Log::Log(const LogConfig& config) : pool_{std::make_shared<spdlog::details::thread_pool>(config.queue_lines, 1)} {
-  logger_ = std::make_shared<spdlog::async_logger>("slamd", std::make_shared<spdlog::sinks::stderr_sink_mt>(), pool_,
+  logger_ = std::make_shared<spdlog::async_logger>("slamd", make_sink(), pool_,
                                                    spdlog::async_overflow_policy::overrun_oldest);
-  logger_->set_pattern("%Y-%m-%dT%H:%M:%S.%e %l %v");
   logger_->flush_on(spdlog::level::info);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// The daemon's log: one line one event, to stderr, through a queue that never blocks and loses its oldest lines when
-// full. Not for real-time threads: they count, and the supervisor tells.
+// The daemon's log: one line one event, to stderr or, where that ends in the journal, there with fields; through a queue
+// that never blocks and loses its oldest lines when full. Not for real-time threads: they count, and the supervisor tells.
 
 #include <cstddef>
 #include <cstdint>

@@ -56,4 +56,16 @@ void Supervisor::look(HostTime now) {
   if (pose_) changes_.look("pose", condition(pose_()), now);
 }
 
+std::string Supervisor::summary() const {
+  const PoseSample newest = pose_ ? pose_().value_or(PoseSample{}) : PoseSample{};
+  std::string text = name(static_cast<TrackingStatus>(newest.status));
+  if (newest.reasons != 0) text += " (" + reason_names(newest.reasons) + ")";
+  const char* separator = "; ";
+  for (const auto& [source, probe] : sources_) {
+    text += separator + source + " " + probe().state;
+    separator = ", ";
+  }
+  return text;
+}
+
 }  // namespace slamd

@@ -36,6 +36,11 @@ class Supervisor {
   /// One look at everything; not for real-time threads.
   void look(HostTime now);
 
+  /// How all stands now, in one line for people: "TRACKING; lidar healthy, imu healthy, gnss absent".
+  std::string summary() const;
+
+  void set_repeat_period(Duration period) { changes_.set_repeat_period(period); }
+
  private:
   struct Ring {
     std::string name;

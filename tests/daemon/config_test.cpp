@@ -132,6 +132,19 @@ TEST(Config, AMissingFileIsAFault) {
   EXPECT_EQ(loaded.faults, ConfigFaults{"/nonexistent/slamd.yaml:0: (file): No such file or directory"});
 }
 
+TEST(Config, ChangesAreToldApartByWhatARunningDaemonCanTakeOver) {
+  Config running;
+  Config wanted;
+  EXPECT_TRUE(changes(running, wanted).live.empty());
+  EXPECT_TRUE(changes(running, wanted).fixed.empty());
+  wanted.server.limits.max_clients = 3;
+  wanted.log.repeat_period = std::chrono::seconds{60};
+  wanted.lidar.port = 2400;
+  const ConfigChanges found = changes(running, wanted);
+  EXPECT_EQ(found.live, (std::vector<std::string>{"server.max_clients", "log.repeat_period_s"}));
+  EXPECT_EQ(found.fixed, std::vector<std::string>{"lidar.port"});
+}
+
 TEST(Config, ADriveFoldersVehicleFileIsRead) {
   const std::string path = SLAMD_SHARED_DATA "/drive_sample/vehicle.yaml";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";

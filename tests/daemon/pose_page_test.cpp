@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 
 #include <thread>
 #include <vector>
@@ -39,15 +40,62 @@ TEST(PosePage, AReaderSeesWhatTheWriterWroteLast) {
   EXPECT_EQ(writer->read()->sequence, 2U);
 }
 
-TEST(PosePage, NobodyElseCanWriteOrResizeIt) {
+TEST(PosePage, WhoeverReceivesItCanNeitherWriteNorResizeIt) {
   std::optional<PosePageWriter> writer = PosePageWriter::create();
   ASSERT_TRUE(writer);
   const char byte = 1;
   EXPECT_LT(::pwrite(writer->fd(), &byte, 1, 0), 0);
   EXPECT_NE(::ftruncate(writer->fd(), 0), 0);
+  EXPECT_NE(::ftruncate(writer->keep_fd(), 0), 0) << "nor can its owner";
+  struct stat status {};
+  ASSERT_EQ(::fstat(writer->fd(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0600U) << "other users must not open it again for writing";
   EXPECT_EQ(::mmap(nullptr, PosePageLayout::kBytes, PROT_READ | PROT_WRITE, MAP_SHARED, writer->fd(), 0), MAP_FAILED);
   writer->write(make_sample(3));
   EXPECT_EQ(writer->read()->sequence, 3U);
+}
+
+TEST(PosePage, TheNextDaemonTakesThePageOverAndMappingsStayGood) {
+  std::optional<PosePageWriter> first = PosePageWriter::create();
+  ASSERT_TRUE(first);
+  const std::optional<PosePageReader> reader = PosePageReader::map(first->fd());
+  ASSERT_TRUE(reader);
+  first->write(make_sample(7));
+  UniqueFd kept{::fcntl(first->keep_fd(), F_DUPFD_CLOEXEC, 0)};
+  first.reset();
+  EXPECT_EQ(reader->read()->sequence, 7U) << "until then the last pose stays";
+  std::optional<PosePageWriter> second = PosePageWriter::adopt(std::move(kept));
+  ASSERT_TRUE(second);
+  EXPECT_FALSE(reader->read()) << "an old pose is none of the new daemon's";
+  EXPECT_FALSE(second->read());
+  EXPECT_EQ(reader->starts(), 2U);
+  second->write(make_sample(1));
+  EXPECT_EQ(reader->read()->sequence, 1U);
+}
+
+TEST(PosePage, APageWhoseWriterDiedInTheMiddleOfAWriteIsTakenOverToo) {
+  std::optional<PosePageWriter> first = PosePageWriter::create();
+  ASSERT_TRUE(first);
+  const std::uint64_t odd = 41;  // the sequence while a write is under way
+  ASSERT_EQ(::pwrite(first->keep_fd(), &odd, sizeof odd, offsetof(PosePageLayout, sample)), 8);
+  EXPECT_FALSE(first->read());
+  std::optional<PosePageWriter> second =
+      PosePageWriter::adopt(UniqueFd{::fcntl(first->keep_fd(), F_DUPFD_CLOEXEC, 0)});
+  ASSERT_TRUE(second);
+  second->write(make_sample(1));
+  EXPECT_EQ(second->read()->sequence, 1U);
+}
+
+TEST(PosePage, WhatIsNoPosePageIsNotTakenOver) {
+  EXPECT_FALSE(PosePageWriter::adopt({}));
+  UniqueFd blank{::memfd_create("blank", MFD_CLOEXEC | MFD_ALLOW_SEALING)};
+  ASSERT_EQ(::ftruncate(blank.get(), PosePageLayout::kBytes), 0);
+  ASSERT_EQ(::fcntl(blank.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW), 0);
+  EXPECT_FALSE(PosePageWriter::adopt(std::move(blank))) << "no magic";
+  std::optional<PosePageWriter> newer = PosePageWriter::create();
+  const std::uint32_t version = PosePageLayout::kVersion + 1;
+  ASSERT_EQ(::pwrite(newer->keep_fd(), &version, sizeof version, offsetof(PosePageLayout, version)), 4);
+  EXPECT_FALSE(PosePageWriter::adopt(UniqueFd{::fcntl(newer->keep_fd(), F_DUPFD_CLOEXEC, 0)})) << "another version";
 }
 
 TEST(PosePage, ReadersRefuseWhatIsNoPosePage) {

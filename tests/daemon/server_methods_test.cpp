@@ -1,5 +1,7 @@
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 
 #include <fstream>
 
@@ -22,6 +24,38 @@ std::string content_of(int fd) {
 }
 
 class ServerMethods : public ServerTest {};
+
+TEST_F(ServerMethods, ASocketThatWasHandedOverIsServedAndLeftInItsPlace) {
+  UniqueFd listening{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)};
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  socket_path().copy(address.sun_path, sizeof address.sun_path - 1);
+  ASSERT_EQ(::bind(listening.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  ASSERT_EQ(::listen(listening.get(), 8), 0);
+  RawClient early = connect();  // before there is a server: it waits, it is not refused
+  server_ = std::make_unique<Server>(config(), sources(), "1.2.3");
+  ASSERT_TRUE(server_->start(std::move(listening)));
+  EXPECT_EQ(early.call(1, "version").at("result").at("daemon"), "slamd");
+  server_->stop();
+  EXPECT_TRUE(std::filesystem::exists(socket_path())) << "it belongs to whoever made it";
+}
+
+TEST_F(ServerMethods, ADescriptorThatIsNoListeningSocketIsAFailedStart) {
+  Server server{config(), sources(), "1.2.3"};
+  EXPECT_FALSE(server.start(UniqueFd{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)}));
+  EXPECT_FALSE(server.start(UniqueFd{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)})) << "it does not listen";
+}
+
+TEST_F(ServerMethods, ANewConfigurationHoldsForTheNextRequestAndTheNextClient) {
+  start();
+  RawClient first = connect();
+  EXPECT_TRUE(first.call(1, "version").contains("result"));
+  ServerConfig tighter = config();
+  tighter.limits.max_clients = 1;
+  server_->reconfigure(tighter);
+  RawClient second = connect();
+  EXPECT_EQ(second.receive()->at("error").at("code"), error::kBusy);
+}
 
 TEST_F(ServerMethods, VersionTellsItsNumbersAndRefusesProtocolsThatItDoesNotSpeak) {
   start();

@@ -59,10 +59,11 @@ def hurry():
 class Process:
     """A child with its output in a file; ended by stop() at the latest."""
 
-    def __init__(self, arguments, log_path, prepare=None):
+    def __init__(self, arguments, log_path, prepare=None, fds=()):
         self.log_path = log_path
         with open(log_path, "wb") as log:
-            self.child = subprocess.Popen(arguments, stdin=subprocess.DEVNULL, stdout=log, stderr=log, preexec_fn=prepare)
+            self.child = subprocess.Popen(arguments, stdin=subprocess.DEVNULL, stdout=log, stderr=log, preexec_fn=prepare,
+                                          pass_fds=fds)
 
     def output(self):
         with open(self.log_path, encoding="utf-8", errors="replace") as log:
@@ -148,8 +149,8 @@ class EndToEndTest(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def start(self, name, arguments, prepare=None):
-        process = Process(arguments, self.path(f"{name}-{len(self.processes)}.log"), prepare)
+    def start(self, name, arguments, prepare=None, fds=()):
+        process = Process(arguments, self.path(f"{name}-{len(self.processes)}.log"), prepare, fds)
         self.processes.append(process)
         return process
 

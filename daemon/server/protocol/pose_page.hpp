@@ -3,6 +3,7 @@
 // clients. This layout is a contract between processes; it has no history and no wake-up (subscribe on the socket).
 
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -48,18 +49,23 @@ struct PosePageLayout {
   std::uint64_t magic;
   std::uint32_t version;
   std::uint32_t sample_bytes;
-  std::array<std::uint8_t, 48> reserved;
+  std::atomic<std::uint32_t> starts;  // of daemons on this page: after a change odom, map and sample.sequence begin anew
+  std::array<std::uint8_t, 44> reserved;
   Seqlock<kPoseSampleWords> sample;  // at byte 64: u64 sequence (odd while being written), then the words of PoseSample
 };
 static_assert(std::endian::native == std::endian::little && offsetof(PosePageLayout, sample) == 64);
 static_assert(std::is_standard_layout_v<PosePageLayout> && sizeof(PosePageLayout) <= PosePageLayout::kBytes);
 
-/// The daemon's side: owns the memfd and the only writable mapping. write() from one thread; fd() and read() from any.
+/// The daemon's side: owns the memfd and the only writable mapping. write() from one thread; the rest from any.
 class PosePageWriter {
  public:
-  /// Makes the page; nullopt with errno set when the kernel gives no memfd. The memfd's size is sealed, and so is every
-  /// further writing through it: whoever receives fd() can only map it read-only.
+  /// Makes the page; nullopt with errno set when the kernel gives no memfd. The memfd's size is sealed, and its mode lets
+  /// only the daemon's own user open it again for writing: whoever receives fd() can only map it read-only.
   static std::optional<PosePageWriter> create();
+
+  /// Takes over the page of a daemon that has ended, so that its clients' mappings stay good. They read nothing until the
+  /// first write(). memfd is what keep_fd() gave; nullopt when it is no page of this version.
+  static std::optional<PosePageWriter> adopt(UniqueFd memfd);
 
   PosePageWriter(PosePageWriter&& other) noexcept;
   PosePageWriter& operator=(PosePageWriter&&) = delete;
@@ -71,12 +77,16 @@ class PosePageWriter {
   /// The newest sample; nullopt before the first write().
   std::optional<PoseSample> read() const;
 
-  int fd() const { return fd_.get(); }
+  int fd() const { return read_only_.get(); }    // for clients
+  int keep_fd() const { return memfd_.get(); }   // for adopt() of the next daemon; not for clients
 
  private:
-  PosePageWriter(UniqueFd fd, PosePageLayout* page) : fd_{std::move(fd)}, page_{page} {}
+  static std::optional<PosePageWriter> open(UniqueFd memfd);
+  PosePageWriter(UniqueFd memfd, UniqueFd read_only, PosePageLayout* page)
+      : memfd_{std::move(memfd)}, read_only_{std::move(read_only)}, page_{page} {}
 
-  UniqueFd fd_;
+  UniqueFd memfd_;
+  UniqueFd read_only_;
   PosePageLayout* page_;
 };
 
@@ -94,6 +104,9 @@ class PosePageReader {
   /// no system call, below 100 ns (tests/bench/bench_pose_page.cpp). A page that no longer changes is a daemon that
   /// has gone: compare host_time_ns with CLOCK_MONOTONIC.
   std::optional<PoseSample> read() const;
+
+  /// How many daemons have written this page. After a change odom and map begin anew, and sequence counts from 1.
+  std::uint32_t starts() const { return page_->starts.load(std::memory_order_acquire); }
 
  private:
   explicit PosePageReader(const PosePageLayout* page) : page_{page} {}

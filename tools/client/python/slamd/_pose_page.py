@@ -9,6 +9,8 @@ from typing import Optional, Tuple
 from ._errors import SlamdError
 
 _HEADER = struct.Struct("<QII48x")  # magic, version, bytes of a sample
+_STARTS = struct.Struct("<I")  # the first of the header's spare bytes
+_STARTS_OFFSET = 16
 _SEQUENCE = struct.Struct("<Q")
 _SAMPLE = struct.Struct("<qqQ3d4d3d4d3d3d36d3dIIfI")
 _MAGIC = 0x4547415045534F50
@@ -66,6 +68,10 @@ class PosePage:
             if _SEQUENCE.unpack_from(self._map, _HEADER.size)[0] == before:
                 return _sample(_SAMPLE.unpack(content))
         return None
+
+    def starts(self) -> int:
+        """How many daemons have written this page: after a change odom and map begin anew, and sequence counts from 1."""
+        return _STARTS.unpack_from(self._map, _STARTS_OFFSET)[0]
 
     def close(self) -> None:
         self._map.close()
