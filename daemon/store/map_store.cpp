@@ -79,6 +79,7 @@ void MapStore::add(const Keyframe& keyframe, const Pose& T_map_odom) {
   if (is_finite(T_map_base)) points = thin(keyframe);
   const auto shared = std::make_shared<const PackedPoints>(std::move(points));
   if (!keep(keyframe, {T_map_base, reach_of(*shared), shared})) return;
+  recent_.forget_before(static_cast<std::uint32_t>(oldest_kept().value_or(keyframe.id + 1)));
   for (const MovingPoints::Verdict& verdict : moving_.add(keyframe, *shared)) take_away(verdict);
 }
 
@@ -113,6 +114,11 @@ bool MapStore::keep(const Keyframe& keyframe, StoredKeyframe stored) {
   ++counts_.changes;
   keep_budget();
   return true;
+}
+
+std::optional<std::uint64_t> MapStore::oldest_kept() const {
+  const std::lock_guard lock{mutex_};
+  return keyframes_.empty() ? std::nullopt : std::optional{keyframes_.begin()->first};
 }
 
 void MapStore::take_away(const MovingPoints::Verdict& verdict) {

@@ -96,6 +96,7 @@ class MapStore {
 
   PackedPoints thin(const Keyframe& keyframe);
   bool keep(const Keyframe& keyframe, StoredKeyframe stored);
+  std::optional<std::uint64_t> oldest_kept() const;
   void take_away(const MovingPoints::Verdict& verdict);
   void keep_budget();                                                // with the lock held
   void account(const StoredKeyframe& keyframe, bool added);         // likewise

@@ -36,7 +36,7 @@ std::size_t RecentVoxels::find(std::uint64_t key) const {
 }
 
 bool RecentVoxels::is_recent(std::uint64_t slot) const {
-  return ((newest_ - static_cast<std::uint32_t>(slot)) & kSerialMask) < window_;
+  return ((newest_ - static_cast<std::uint32_t>(slot)) & kSerialMask) < std::min(window_, newest_ - oldest_ + 1);
 }
 
 bool RecentVoxels::take(const Eigen::Vector3d& p_odom, std::uint32_t serial) {

@@ -18,6 +18,9 @@ class RecentVoxels {
   /// to this one has it. The grid repeats itself after 2^14 voxels in x and y, 2^12 in z.
   bool take(const Eigen::Vector3d& p_odom, std::uint32_t serial);
 
+  /// The keyframes before `serial` are gone, and their voxels free.
+  void forget_before(std::uint32_t serial) { oldest_ = serial; }
+
   /// The voxel is free again, if keyframe `serial` has it.
   void release(const Eigen::Vector3d& p_odom, std::uint32_t serial);
 
@@ -31,7 +34,7 @@ class RecentVoxels {
 
   double inverse_size_;
   std::uint32_t window_;
-  std::uint32_t newest_ = 0;
+  std::uint32_t newest_ = 0, oldest_ = 0;
   std::vector<std::uint64_t> slots_;  // power of two; key above, serial in the low 24 bits
   std::size_t used_ = 0;              // slots that are not free, old ones included
 };

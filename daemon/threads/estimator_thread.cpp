@@ -1,7 +1,5 @@
 #include "daemon/threads/estimator_thread.hpp"
 
-#include <algorithm>
-#include <cstddef>
 #include <optional>
 
 #include "daemon/server/host_clock.hpp"
@@ -20,7 +18,7 @@ std::optional<HostTime> oldest_arrival(SpscRing<T>& ring) {
 
 EstimatorThread::EstimatorThread(const EstimatorThreadConfig& config, const VehicleGeometry& geometry,
                                  const OdometryConfig& odometry, Streams& streams)
-    : config_{config}, merge_{config.merge}, odometry_{geometry, odometry}, streams_{streams} {}
+    : config_{config}, merge_{config.merge}, odometry_{geometry, odometry}, streams_{streams}, keyframes_{streams.keyframes} {}
 
 void EstimatorThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
@@ -81,22 +79,8 @@ void EstimatorThread::publish(const ScanResult& result) {
   if (result.state.status != TrackingStatus::kInitialising) {
     streams_.path.try_push({result.state.time, result.state.T_odom_base});
   }
-  if (result.is_keyframe) push_keyframe(result);
+  if (result.is_keyframe) keyframes_.offer(result, odometry_.keyframe_points());
   if (result.has_scan) scans_.fetch_add(1, std::memory_order_relaxed);
-}
-
-void EstimatorThread::push_keyframe(const ScanResult& result) {
-  Keyframe* slot = streams_.keyframes.claim();
-  if (slot == nullptr) return;  // counted by the ring: the map has a hole, the odometry has not
-  const PointCloud& points = odometry_.keyframe_points();
-  const std::size_t count = std::min(points.size(), Streams::kMaxKeyframePoints);
-  slot->id = keyframe_count_.fetch_add(1, std::memory_order_relaxed);
-  slot->state = result.state;
-  slot->relative_covariance = result.relative_covariance;
-  slot->up_base = result.up.up_base;
-  slot->up_sigma_rad = result.up.sigma_rad;
-  slot->points.assign(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count));
-  streams_.keyframes.commit();
 }
 
 }  // namespace slamd

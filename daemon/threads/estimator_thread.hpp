@@ -8,6 +8,7 @@
 
 #include "daemon/health/histogram.hpp"
 #include "daemon/threads/event_merge.hpp"
+#include "daemon/threads/keyframe_feed.hpp"
 #include "daemon/threads/streams.hpp"
 #include "estimator/odometry/lidar_inertial_odometry.hpp"
 
@@ -31,7 +32,7 @@ class EstimatorThread {
   /// Looks at the rings: grows a thousand times a second while the thread works, food for a watchdog.
   std::uint64_t passes() const { return passes_.load(std::memory_order_relaxed); }
   std::uint64_t scans() const { return scans_.load(std::memory_order_relaxed); }
-  std::uint64_t keyframes() const { return keyframe_count_.load(std::memory_order_relaxed); }
+  std::uint64_t keyframes() const { return keyframes_.count(); }
   /// Events out of order of arrival; with none, a replay of the recorded bytes gives the same bits.
   std::uint64_t late_events() const { return late_events_.load(std::memory_order_relaxed); }
   const Histogram& scan_time() const { return scan_time_; }        // one step of the odometry
@@ -41,17 +42,16 @@ class EstimatorThread {
   bool take_event(HostTime now);
   void take_scans();
   void publish(const ScanResult& result);
-  void push_keyframe(const ScanResult& result);
 
   const EstimatorThreadConfig config_;
   EventMerge merge_;
   LidarInertialOdometry odometry_;
   Streams& streams_;
+  KeyframeFeed keyframes_;
   Histogram scan_time_;
   Histogram scan_latency_;
   std::atomic<std::uint64_t> passes_{0};
   std::atomic<std::uint64_t> scans_{0};
-  std::atomic<std::uint64_t> keyframe_count_{0};
   std::atomic<std::uint64_t> late_events_{0};
 };
 

@@ -1,6 +1,7 @@
 #include "estimator/odometry/keyframe_relation.hpp"
 
 #include "estimator/filter/pose_clone.hpp"
+#include "estimator/math/se3.hpp"
 
 namespace slamd {
 
@@ -9,16 +10,6 @@ using I = ErrorIndex;
 namespace {
 
 constexpr double kUnrelated = 1e6;  // m^2 and rad^2: no relation at all
-
-/// e with T * Exp(e) for base from the same for the IMU: the adjoint of T_base_imu.
-Matrix6d adjoint(const Pose& T_base_imu) {
-  const Eigen::Matrix3d R = T_base_imu.rotation.toRotationMatrix();
-  Matrix6d out = Matrix6d::Zero();
-  out.block<3, 3>(0, 0) = R;
-  out.block<3, 3>(0, 3) = skew(T_base_imu.translation) * R;
-  out.block<3, 3>(3, 3) = R;
-  return out;
-}
 
 /// Position error in odom to position error in base; the attitude error is in base already.
 Matrix6d odom_to_base(const FilterSnapshot& filter, const Pose& T_base_imu) {
@@ -35,7 +26,7 @@ void KeyframeRelation::carry(const Pose& T_odom_a, const Pose& T_odom_b) {
 }
 
 Matrix6d KeyframeRelation::covariance(const FilterSnapshot& filter) const {
-  const Matrix6d J_base_imu = adjoint(T_base_imu_);
+  const Matrix6d J_base_imu = adjoint(T_base_imu_);  // e with T * Exp(e) for base from the same for the IMU
   const Matrix6d J_base_odom = odom_to_base(filter, T_base_imu_);
   return J_base_imu * motion_covariance(filter) * J_base_imu.transpose() + J_base_odom * walk_ * J_base_odom.transpose();
 }

@@ -114,6 +114,7 @@ void LidarInertialOdometry::pick_keyframe(const Scan& scan) {
   result_.is_keyframe = true;
   result_.relative_covariance = fusion_.keyframe_relation().take(filter_);
   result_.up = up_direction(filter_, geometry_.T_base_imu);
+  result_.scan_span = scan.end - scan.begin;
 }
 
 /// A state that is no number any more cannot be mended by further measurements: initialise anew.

@@ -35,6 +35,7 @@ struct ScanResult {
   bool is_keyframe = false;   // then keyframe_points() is of this scan, and so are
   Matrix6d relative_covariance = Matrix6d::Zero();  // see Keyframe
   UpDirection up;
+  Duration scan_span{};
 };
 
 /// What came of the input, and what was not used, by cause.

@@ -18,7 +18,7 @@ struct Keyframe {
   Eigen::Vector3d up_base = Eigen::Vector3d::UnitZ();  // unit, against gravity, in this base
   double up_sigma_rad = 1.0;                           // of up_base, an axis
   PointCloud points;     // in order of firing, de-skewed to state.time, base frame
-  Duration scan_span = std::chrono::milliseconds{100};  // first firing to state.time
+  Duration scan_span{};  // first firing to state.time
 };
 
 }  // namespace slamd

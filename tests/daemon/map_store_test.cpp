@@ -95,6 +95,18 @@ TEST(MapStore, ForgetsTheOldestKeyframesBeyondItsBudget) {
   EXPECT_GT(snapshot.points().back().x, 150.0F) << "the newest keyframe is there";
 }
 
+TEST(MapStore, WhatTheBudgetMadeItForgetIsStoredAgainWhenSeenAgain) {
+  constexpr std::size_t kBudget = 4 * (1000 * 8 + 400);  // of four keyframes
+  MapStore store{{.voxel_size_m = 0.01, .byte_budget = kBudget}};
+  const PointCloud wall = random_points(1000, 5);
+  store.add(keyframe_with(0, wall));
+  for (unsigned id = 1; id < 10; ++id) store.add(keyframe_with(id, random_points(1000, 5 + id)));
+  ASSERT_GT(store.counts().evicted_keyframes, 0U);
+  const std::size_t before = store.counts().points;
+  store.add(keyframe_with(10, PointCloud(wall.begin(), wall.begin() + 100)));
+  EXPECT_EQ(store.counts().points, before + 100) << "keyframe 0 is among the 150 before, but its points are gone";
+}
+
 TEST(MapStore, CountsAndDropsWhatCannotBeAPoint) {
   MapStore store;
   const float nan = std::numeric_limits<float>::quiet_NaN();

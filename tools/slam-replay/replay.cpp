@@ -82,6 +82,7 @@ void Replay::keep_keyframe(const ScanResult& result, Output& output) {
   keyframe_.relative_covariance = result.relative_covariance;
   keyframe_.up_base = result.up.up_base;
   keyframe_.up_sigma_rad = result.up.sigma_rad;
+  keyframe_.scan_span = result.scan_span;
   keyframe_.points = odometry_.keyframe_points();
   output.keyframe(keyframe_);
   if (!with_map_) return;
