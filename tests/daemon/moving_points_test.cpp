@@ -52,6 +52,7 @@ class StreetDrive {
     const double end_s = static_cast<double>(id) * kPeriod_s;
     keyframe.state.T_odom_base.translation.x() = kSpeed_mps * end_s;
     keyframe.state.velocity_mps.x() = kSpeed_mps;
+    keyframe.scan_span = std::chrono::milliseconds{100};
     for (int firing = 0; firing < 1800; ++firing) {
       const double before_s = 0.1 * (1.0 - firing / 1800.0);
       Street street{.box_x = box_begin_x + box_speed_mps * (end_s - before_s)};

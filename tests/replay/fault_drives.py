@@ -44,6 +44,8 @@ CASES = {
     "lidar_gap": fault("LiDAR silent for 3 s", "lidar:gap", begin_s=12.0, length_s=3.0),
     "imu_gap": fault("IMU silent for 2 s", "imu:gap", begin_s=12.0, length_s=2.0),
     "imu_stuck": fault("IMU repeats one measurement for 2 s", "imu:stuck", begin_s=12.0, length_s=2.0),
+    "imu_never_alive": fault("IMU stuck since it was switched on", "imu:stuck", begin_s=0.001, length_s=1000.0),
+    "imu_noiseless": fault("IMU without noise, which repeats itself at rest", more=("--ideal-imu",)),
     "no_gps": fault("no GPS", more=("--no-gps",)),
     "no_imu": fault("no IMU at all", more=("--no-imu",)),
     "lidar_jump": fault("LiDAR's clock jumps by 0.25 s", "lidar:clock-jump=250", begin_s=12.0),
