@@ -20,8 +20,8 @@ bool clips(const ImuFrame& frame, const ImuSample& sample) {
 /// A whole packet of another kind that the board sends.
 bool is_reply(std::span<const std::uint8_t> packet) {
   const std::optional<OpenedPacket> opened = open_packet(packet);
-  return opened && (read_identity(*opened) || read_statistics(*opened) || read_self_test(*opened) ||
-                    read_acknowledgement(*opened));
+  return opened && (read_packet<Identity>(*opened) || read_packet<Statistics>(*opened) || read_packet<SelfTestReport>(*opened) ||
+                    read_packet<Acknowledgement>(*opened));
 }
 
 }  // namespace

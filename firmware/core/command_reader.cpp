@@ -15,7 +15,7 @@ std::optional<Command> CommandReader::take(std::uint8_t byte) {
   if (size == 0) return std::nullopt;
   if (size <= packet_.size()) {
     if (const auto opened = open_packet({packet_.data(), size})) {
-      if (const auto command = read_command(*opened)) return command;
+      if (const auto command = read_packet<Command>(*opened)) return command;
     }
   }
   ++rejected_;

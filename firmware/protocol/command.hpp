@@ -1,10 +1,8 @@
 #pragma once
-// Commands from the host to the IMU board: layout, encoder, decoder. Each gets exactly one reply (reply.hpp).
+// Commands from the host to the IMU board: fields and layout. Each gets exactly one reply (reply.hpp).
 // Freestanding.
 
-#include <array>
 #include <cstdint>
-#include <optional>
 
 #include "firmware/protocol/packet.hpp"
 
@@ -26,20 +24,15 @@ struct Command {
   friend constexpr bool operator==(const Command&, const Command&) = default;
 };
 
-constexpr std::size_t kCommandPlainBytes = 6;
+template <>
+struct Layout<Command> {
+  static constexpr PacketKind kKind = PacketKind::kCommand;
+  static constexpr std::size_t kPlainBytes = 6;
 
-/// The bytes for the wire, delimiter included.
-constexpr std::array<std::uint8_t, kCommandPlainBytes + 2> encode(const Command& command) {
-  std::array<std::uint8_t, kCommandPlainBytes> plain{};
-  plain[0] = static_cast<std::uint8_t>(PacketKind::kCommand);
-  plain[1] = command.code;
-  wire::store(plain, 2, command.tag);
-  return seal_packet(plain);
-}
-
-constexpr std::optional<Command> read_command(const OpenedPacket& packet) {
-  if (!packet.is(PacketKind::kCommand, kCommandPlainBytes)) return std::nullopt;
-  return Command{packet.plain[1], wire::load<std::uint16_t>(packet.plain, 2)};
-}
+  static constexpr void fields(const auto& wire, auto& packet) {
+    wire(1, packet.code);
+    wire(2, packet.tag);
+  }
+};
 
 }  // namespace slamd

@@ -58,19 +58,22 @@ struct DecodedImuFrame {
   constexpr explicit operator bool() const { return error == ImuFrameError::kNone; }
 };
 
+/// The fields after the kind byte with their offsets; wire is a Writer or a Reader.
+constexpr void imu_frame_fields(const auto& wire, auto& frame) {
+  wire(1, frame.status);
+  wire(2, frame.sequence);
+  wire(4, frame.device_us);
+  wire(12, frame.gyro);
+  wire(18, frame.accel);
+  wire(24, frame.temperature);
+  wire(26, frame.dropped);
+}
+
 /// The 30 plain bytes of a frame, CRC included, before COBS.
 constexpr std::array<std::uint8_t, kImuFramePlainBytes> pack(const ImuFrame& frame) {
   std::array<std::uint8_t, kImuFramePlainBytes> plain{};
   plain[0] = kImuFrameKindVersion;
-  plain[1] = frame.status;
-  wire::store(plain, 2, frame.sequence);
-  wire::store(plain, 4, frame.device_us);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    wire::store(plain, 12 + 2 * axis, static_cast<std::uint16_t>(frame.gyro[axis]));
-    wire::store(plain, 18 + 2 * axis, static_cast<std::uint16_t>(frame.accel[axis]));
-  }
-  wire::store(plain, 24, static_cast<std::uint16_t>(frame.temperature));
-  wire::store(plain, 26, frame.dropped);
+  imu_frame_fields(wire::Writer{plain}, frame);
   wire::store(plain, 28, crc16(std::span<const std::uint8_t>{plain}.first(28)));
   return plain;
 }
@@ -94,15 +97,7 @@ constexpr DecodedImuFrame decode_imu_packet(std::span<const std::uint8_t> packet
   if (plain[0] != kImuFrameKindVersion) return {ImuFrameError::kVersion, {}};
 
   ImuFrame frame;
-  frame.status = plain[1];
-  frame.sequence = wire::load<std::uint16_t>(bytes, 2);
-  frame.device_us = wire::load<std::uint64_t>(bytes, 4);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    frame.gyro[axis] = static_cast<std::int16_t>(wire::load<std::uint16_t>(bytes, 12 + 2 * axis));
-    frame.accel[axis] = static_cast<std::int16_t>(wire::load<std::uint16_t>(bytes, 18 + 2 * axis));
-  }
-  frame.temperature = static_cast<std::int16_t>(wire::load<std::uint16_t>(bytes, 24));
-  frame.dropped = wire::load<std::uint16_t>(bytes, 26);
+  imu_frame_fields(wire::Reader{bytes}, frame);
   return {ImuFrameError::kNone, frame};
 }
 

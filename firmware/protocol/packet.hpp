@@ -67,4 +67,27 @@ constexpr std::optional<OpenedPacket> open_packet(std::span<const std::uint8_t> 
   return opened;
 }
 
+/// How a kind of packet lies on the wire. Specialised beside each kind with kKind, kPlainBytes (CRC included) and
+/// fields(wire, packet), which names every field after the kind byte with its offset; wire is a Writer or a Reader.
+template <class Packet>
+struct Layout;
+
+/// The bytes for the wire, delimiter included.
+template <class Packet>
+constexpr std::array<std::uint8_t, Layout<Packet>::kPlainBytes + 2> encode(const Packet& packet) {
+  std::array<std::uint8_t, Layout<Packet>::kPlainBytes> plain{};
+  plain[0] = static_cast<std::uint8_t>(Layout<Packet>::kKind);
+  Layout<Packet>::fields(wire::Writer{plain}, packet);
+  return seal_packet(plain);
+}
+
+/// Nothing when it is another kind of packet.
+template <class Packet>
+constexpr std::optional<Packet> read_packet(const OpenedPacket& opened) {
+  if (!opened.is(Layout<Packet>::kKind, Layout<Packet>::kPlainBytes)) return std::nullopt;
+  Packet packet;
+  Layout<Packet>::fields(wire::Reader{opened.plain}, packet);
+  return packet;
+}
+
 }  // namespace slamd

@@ -1,11 +1,11 @@
 #pragma once
-// What the IMU board says besides samples: identity, statistics, self-test, acknowledgement. Layouts, encoders,
-// decoders. Replies carry the command's tag; statistics also come unasked (tag 0) when the sensor's state or fault
+// What the IMU board says besides samples: identity, statistics, self-test, acknowledgement. Fields and
+// layouts. Replies carry the command's tag; statistics also come unasked (tag 0) when the sensor's state or fault
 // changes. Freestanding.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
-#include <optional>
 
 #include "firmware/protocol/packet.hpp"
 
@@ -83,125 +83,73 @@ struct Acknowledgement {
   friend constexpr bool operator==(const Acknowledgement&, const Acknowledgement&) = default;
 };
 
-constexpr std::size_t kIdentityPlainBytes = 24;
-constexpr std::size_t kStatisticsPlainBytes = 48;
-constexpr std::size_t kSelfTestPlainBytes = 20;
-constexpr std::size_t kAcknowledgementPlainBytes = 8;
+template <>
+struct Layout<Identity> {
+  static constexpr PacketKind kKind = PacketKind::kIdentity;
+  static constexpr std::size_t kPlainBytes = 24;
 
-constexpr std::array<std::uint8_t, kIdentityPlainBytes + 2> encode(const Identity& identity) {
-  std::array<std::uint8_t, kIdentityPlainBytes> plain{};
-  plain[0] = static_cast<std::uint8_t>(PacketKind::kIdentity);
-  plain[1] = identity.sensor_id;
-  wire::store(plain, 2, identity.tag);
-  for (std::size_t i = 0; i < 8; ++i) plain[4 + i] = identity.unique_id[i];
-  for (std::size_t i = 0; i < 3; ++i) plain[12 + i] = identity.version[i];
-  plain[15] = identity.chip_revision;
-  wire::store(plain, 16, identity.rate_hz);
-  wire::store(plain, 18, identity.gyro_range_dps);
-  plain[20] = identity.accel_range_g;
-  return seal_packet(plain);
-}
-
-constexpr std::optional<Identity> read_identity(const OpenedPacket& packet) {
-  if (!packet.is(PacketKind::kIdentity, kIdentityPlainBytes)) return std::nullopt;
-  Identity identity;
-  identity.sensor_id = packet.plain[1];
-  identity.tag = wire::load<std::uint16_t>(packet.plain, 2);
-  for (std::size_t i = 0; i < 8; ++i) identity.unique_id[i] = packet.plain[4 + i];
-  for (std::size_t i = 0; i < 3; ++i) identity.version[i] = packet.plain[12 + i];
-  identity.chip_revision = packet.plain[15];
-  identity.rate_hz = wire::load<std::uint16_t>(packet.plain, 16);
-  identity.gyro_range_dps = wire::load<std::uint16_t>(packet.plain, 18);
-  identity.accel_range_g = packet.plain[20];
-  return identity;
-}
-
-constexpr std::array<std::uint8_t, kStatisticsPlainBytes + 2> encode(const Statistics& statistics) {
-  std::array<std::uint8_t, kStatisticsPlainBytes> plain{};
-  plain[0] = static_cast<std::uint8_t>(PacketKind::kStatistics);
-  plain[1] = static_cast<std::uint8_t>(statistics.sensor_state);
-  wire::store(plain, 2, statistics.tag);
-  wire::store(plain, 4, statistics.device_us);
-  wire::store(plain, 12, statistics.samples);
-  wire::store(plain, 16, statistics.dropped);
-  wire::store(plain, 20, statistics.overruns);
-  wire::store(plain, 24, statistics.faults);
-  plain[28] = static_cast<std::uint8_t>(statistics.fault);
-  plain[29] = static_cast<std::uint8_t>(statistics.reset_cause);
-  wire::store(plain, 30, statistics.restarts);
-  wire::store(plain, 32, statistics.bus_recoveries);
-  wire::store(plain, 34, statistics.usb_resets);
-  wire::store(plain, 36, statistics.usb_suspends);
-  wire::store(plain, 38, statistics.bad_commands);
-  wire::store(plain, 40, statistics.latency_max_us);
-  wire::store(plain, 42, statistics.loop_max_us);
-  wire::store(plain, 44, statistics.queue_max_bytes);
-  return seal_packet(plain);
-}
-
-constexpr std::optional<Statistics> read_statistics(const OpenedPacket& packet) {
-  if (!packet.is(PacketKind::kStatistics, kStatisticsPlainBytes)) return std::nullopt;
-  const auto& plain = packet.plain;
-  Statistics statistics;
-  statistics.sensor_state = static_cast<SensorState>(plain[1]);
-  statistics.tag = wire::load<std::uint16_t>(plain, 2);
-  statistics.device_us = wire::load<std::uint64_t>(plain, 4);
-  statistics.samples = wire::load<std::uint32_t>(plain, 12);
-  statistics.dropped = wire::load<std::uint32_t>(plain, 16);
-  statistics.overruns = wire::load<std::uint32_t>(plain, 20);
-  statistics.faults = wire::load<std::uint32_t>(plain, 24);
-  statistics.fault = static_cast<SensorFault>(plain[28]);
-  statistics.reset_cause = static_cast<ResetCause>(plain[29]);
-  statistics.restarts = wire::load<std::uint16_t>(plain, 30);
-  statistics.bus_recoveries = wire::load<std::uint16_t>(plain, 32);
-  statistics.usb_resets = wire::load<std::uint16_t>(plain, 34);
-  statistics.usb_suspends = wire::load<std::uint16_t>(plain, 36);
-  statistics.bad_commands = wire::load<std::uint16_t>(plain, 38);
-  statistics.latency_max_us = wire::load<std::uint16_t>(plain, 40);
-  statistics.loop_max_us = wire::load<std::uint16_t>(plain, 42);
-  statistics.queue_max_bytes = wire::load<std::uint16_t>(plain, 44);
-  return statistics;
-}
-
-constexpr std::array<std::uint8_t, kSelfTestPlainBytes + 2> encode(const SelfTestReport& report) {
-  std::array<std::uint8_t, kSelfTestPlainBytes> plain{};
-  plain[0] = static_cast<std::uint8_t>(PacketKind::kSelfTest);
-  plain[1] = static_cast<std::uint8_t>(report.outcome);
-  wire::store(plain, 2, report.tag);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    wire::store(plain, 4 + 2 * axis, static_cast<std::uint16_t>(report.accel_mg[axis]));
-    wire::store(plain, 10 + 2 * axis, static_cast<std::uint16_t>(report.gyro_ddps[axis]));
+  static constexpr void fields(const auto& wire, auto& packet) {
+    wire(1, packet.sensor_id);
+    wire(2, packet.tag);
+    wire(4, packet.unique_id);
+    wire(12, packet.version);
+    wire(15, packet.chip_revision);
+    wire(16, packet.rate_hz);
+    wire(18, packet.gyro_range_dps);
+    wire(20, packet.accel_range_g);
   }
-  plain[16] = report.failed_axes;
-  return seal_packet(plain);
-}
+};
 
-constexpr std::optional<SelfTestReport> read_self_test(const OpenedPacket& packet) {
-  if (!packet.is(PacketKind::kSelfTest, kSelfTestPlainBytes)) return std::nullopt;
-  SelfTestReport report;
-  report.outcome = static_cast<SelfTestOutcome>(packet.plain[1]);
-  report.tag = wire::load<std::uint16_t>(packet.plain, 2);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    report.accel_mg[axis] = static_cast<std::int16_t>(wire::load<std::uint16_t>(packet.plain, 4 + 2 * axis));
-    report.gyro_ddps[axis] = static_cast<std::int16_t>(wire::load<std::uint16_t>(packet.plain, 10 + 2 * axis));
+template <>
+struct Layout<Statistics> {
+  static constexpr PacketKind kKind = PacketKind::kStatistics;
+  static constexpr std::size_t kPlainBytes = 48;
+
+  static constexpr void fields(const auto& wire, auto& packet) {
+    wire(1, packet.sensor_state);
+    wire(2, packet.tag);
+    wire(4, packet.device_us);
+    wire(12, packet.samples);
+    wire(16, packet.dropped);
+    wire(20, packet.overruns);
+    wire(24, packet.faults);
+    wire(28, packet.fault);
+    wire(29, packet.reset_cause);
+    wire(30, packet.restarts);
+    wire(32, packet.bus_recoveries);
+    wire(34, packet.usb_resets);
+    wire(36, packet.usb_suspends);
+    wire(38, packet.bad_commands);
+    wire(40, packet.latency_max_us);
+    wire(42, packet.loop_max_us);
+    wire(44, packet.queue_max_bytes);
   }
-  report.failed_axes = packet.plain[16];
-  return report;
-}
+};
 
-constexpr std::array<std::uint8_t, kAcknowledgementPlainBytes + 2> encode(const Acknowledgement& acknowledgement) {
-  std::array<std::uint8_t, kAcknowledgementPlainBytes> plain{};
-  plain[0] = static_cast<std::uint8_t>(PacketKind::kAcknowledgement);
-  plain[1] = acknowledgement.code;
-  wire::store(plain, 2, acknowledgement.tag);
-  plain[4] = static_cast<std::uint8_t>(acknowledgement.result);
-  return seal_packet(plain);
-}
+template <>
+struct Layout<SelfTestReport> {
+  static constexpr PacketKind kKind = PacketKind::kSelfTest;
+  static constexpr std::size_t kPlainBytes = 20;
 
-constexpr std::optional<Acknowledgement> read_acknowledgement(const OpenedPacket& packet) {
-  if (!packet.is(PacketKind::kAcknowledgement, kAcknowledgementPlainBytes)) return std::nullopt;
-  return Acknowledgement{packet.plain[1], wire::load<std::uint16_t>(packet.plain, 2),
-                         static_cast<CommandResult>(packet.plain[4])};
-}
+  static constexpr void fields(const auto& wire, auto& packet) {
+    wire(1, packet.outcome);
+    wire(2, packet.tag);
+    wire(4, packet.accel_mg);
+    wire(10, packet.gyro_ddps);
+    wire(16, packet.failed_axes);
+  }
+};
+
+template <>
+struct Layout<Acknowledgement> {
+  static constexpr PacketKind kKind = PacketKind::kAcknowledgement;
+  static constexpr std::size_t kPlainBytes = 8;
+
+  static constexpr void fields(const auto& wire, auto& packet) {
+    wire(1, packet.code);
+    wire(2, packet.tag);
+    wire(4, packet.result);
+  }
+};
 
 }  // namespace slamd

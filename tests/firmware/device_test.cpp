@@ -113,8 +113,8 @@ TEST_F(DeviceTest, ALostSensorIsToldTenTimesASecondAndOnceWithEachCause) {
   for (const ImuFrame& frame : received.frames) faults += frame.has(ImuStatus::kSensorFault) ? 1 : 0;
   EXPECT_NEAR(faults, 10, 1);
   ASSERT_EQ(received.replies.size(), 2U) << "no data at first, then no answer";
-  EXPECT_EQ(read_statistics(received.replies[0])->fault, SensorFault::kNoData);
-  const auto statistics = read_statistics(received.replies[1]);
+  EXPECT_EQ(read_packet<Statistics>(received.replies[0])->fault, SensorFault::kNoData);
+  const auto statistics = read_packet<Statistics>(received.replies[1]);
   ASSERT_TRUE(statistics);
   EXPECT_EQ(statistics->sensor_state, SensorState::kFault);
   EXPECT_EQ(statistics->fault, SensorFault::kNoAnswer);
@@ -124,7 +124,7 @@ TEST_F(DeviceTest, ALostSensorIsToldTenTimesASecondAndOnceWithEachCause) {
   fake_.present = true;
   const Received back = run(500'000);
   ASSERT_FALSE(back.replies.empty());
-  EXPECT_EQ(read_statistics(back.replies.back())->sensor_state, SensorState::kRunning);
+  EXPECT_EQ(read_packet<Statistics>(back.replies.back())->sensor_state, SensorState::kRunning);
   EXPECT_FALSE(back.frames.back().has(ImuStatus::kSensorFault));
 }
 
@@ -149,10 +149,10 @@ TEST_F(DeviceTest, EveryCommandGetsOneReplyWithItsTag) {
   command(99, 3);
   const auto replies = run(100).replies;
   ASSERT_EQ(replies.size(), 3U);
-  const auto identity = read_identity(replies[0]);
+  const auto identity = read_packet<Identity>(replies[0]);
   ASSERT_TRUE(identity);
   EXPECT_EQ(*identity, (Identity{0x6C, 1, facts_.id, kFirmwareVersion, 2, 208, 500, 4}));
-  const auto statistics = read_statistics(replies[1]);
+  const auto statistics = read_packet<Statistics>(replies[1]);
   ASSERT_TRUE(statistics);
   EXPECT_EQ(statistics->tag, 2);
   EXPECT_EQ(statistics->device_us, now_ - 100);
@@ -161,7 +161,7 @@ TEST_F(DeviceTest, EveryCommandGetsOneReplyWithItsTag) {
   EXPECT_EQ(statistics->usb_suspends, 2);
   EXPECT_EQ(statistics->loop_max_us, 77);
   EXPECT_LE(statistics->latency_max_us, 400);
-  const auto refusal = read_acknowledgement(replies[2]);
+  const auto refusal = read_packet<Acknowledgement>(replies[2]);
   ASSERT_TRUE(refusal);
   EXPECT_EQ(*refusal, (Acknowledgement{99, 3, CommandResult::kUnknown}));
 }
@@ -174,11 +174,11 @@ TEST_F(DeviceTest, SelfTestRepliesOnceAndASecondOneMeanwhileIsBusy) {
   command(CommandCode::kSelfTest, 6);
   std::vector<OpenedPacket> replies;
   for (const auto& packet : run(1'000'000).replies) {
-    if (!read_statistics(packet)) replies.push_back(packet);
+    if (!read_packet<Statistics>(packet)) replies.push_back(packet);
   }
   ASSERT_EQ(replies.size(), 2U);
-  EXPECT_EQ(*read_acknowledgement(replies[0]), (Acknowledgement{3, 6, CommandResult::kBusy}));
-  const auto report = read_self_test(replies[1]);
+  EXPECT_EQ(*read_packet<Acknowledgement>(replies[0]), (Acknowledgement{3, 6, CommandResult::kBusy}));
+  const auto report = read_packet<SelfTestReport>(replies[1]);
   ASSERT_TRUE(report);
   EXPECT_EQ(report->tag, 5);
   EXPECT_EQ(report->outcome, SelfTestOutcome::kPassed);
@@ -190,7 +190,7 @@ TEST_F(DeviceTest, SelfTestWithoutSensorIsAnsweredAtOnce) {
   command(CommandCode::kSelfTest, 8);
   const auto replies = run(100).replies;
   ASSERT_EQ(replies.size(), 1U);
-  EXPECT_EQ(*read_self_test(replies[0]), (SelfTestReport{SelfTestOutcome::kNotRun, 0, 8, {}, {}}));
+  EXPECT_EQ(*read_packet<SelfTestReport>(replies[0]), (SelfTestReport{SelfTestOutcome::kNotRun, 0, 8, {}, {}}));
 }
 
 TEST_F(DeviceTest, AStartAnewIsAcknowledgedFirstAndHappensAfterwards) {
@@ -198,7 +198,7 @@ TEST_F(DeviceTest, AStartAnewIsAcknowledgedFirstAndHappensAfterwards) {
   EXPECT_EQ(device_.due_start(now_), StartRequest::kNone);
   const auto replies = run(90'000).replies;
   ASSERT_EQ(replies.size(), 1U);
-  EXPECT_EQ(*read_acknowledgement(replies[0]), (Acknowledgement{5, 4, CommandResult::kAccepted}));
+  EXPECT_EQ(*read_packet<Acknowledgement>(replies[0]), (Acknowledgement{5, 4, CommandResult::kAccepted}));
   EXPECT_EQ(device_.due_start(now_), StartRequest::kNone);
   EXPECT_EQ(device_.due_start(now_ + 20'000), StartRequest::kBootLoader);
 }

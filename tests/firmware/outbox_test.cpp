@@ -79,7 +79,7 @@ TEST(Outbox, RepliesGoBeforeFramesAndAlsoWhenThePortIsClosed) {
   const WirePacket reply = outbox.next();
   const auto opened = open_packet(reply.span().first(reply.size - 1U));
   ASSERT_TRUE(opened);
-  EXPECT_EQ(read_acknowledgement(*opened)->tag, 9);
+  EXPECT_EQ(read_packet<Acknowledgement>(*opened)->tag, 9);
   outbox.set_open(false);
   outbox.push_reply(encode(Acknowledgement{4, 10, CommandResult::kAccepted}));
   EXPECT_FALSE(outbox.empty());

@@ -41,14 +41,14 @@ Statistics some_statistics() {
 
 TEST(Packet, EveryReplyComesBackAsItWentOut) {
   const Identity identity{0x6C, 7, {1, 2, 3, 4, 5, 6, 7, 0xFF}, {1, 2, 3}, 2, 208, 500, 4};
-  EXPECT_EQ(read_identity(*reopen(encode(identity))), identity);
-  EXPECT_EQ(read_statistics(*reopen(encode(some_statistics()))), some_statistics());
+  EXPECT_EQ(read_packet<Identity>(*reopen(encode(identity))), identity);
+  EXPECT_EQ(read_packet<Statistics>(*reopen(encode(some_statistics()))), some_statistics());
   const SelfTestReport report{SelfTestOutcome::kFailed, 0x21, 9, {-100, 0, 1700}, {-7000, 1, 32767}};
-  EXPECT_EQ(read_self_test(*reopen(encode(report))), report);
+  EXPECT_EQ(read_packet<SelfTestReport>(*reopen(encode(report))), report);
   const Acknowledgement acknowledgement{5, 0x1234, CommandResult::kBusy};
-  EXPECT_EQ(read_acknowledgement(*reopen(encode(acknowledgement))), acknowledgement);
+  EXPECT_EQ(read_packet<Acknowledgement>(*reopen(encode(acknowledgement))), acknowledgement);
   const Command command{3, 0xFF00};
-  EXPECT_EQ(read_command(*reopen(encode(command))), command);
+  EXPECT_EQ(read_packet<Command>(*reopen(encode(command))), command);
 }
 
 TEST(Packet, LayoutOfTheCommandIsFixed) {
@@ -70,10 +70,10 @@ TEST(Packet, ASampleOpensAsAPacketToo) {
 
 TEST(Packet, OneKindIsNeverReadAsAnother) {
   const auto identity = reopen(encode(Identity{}));
-  EXPECT_FALSE(read_statistics(*identity));
-  EXPECT_FALSE(read_self_test(*identity));
-  EXPECT_FALSE(read_acknowledgement(*identity));
-  EXPECT_FALSE(read_command(*identity));
+  EXPECT_FALSE(read_packet<Statistics>(*identity));
+  EXPECT_FALSE(read_packet<SelfTestReport>(*identity));
+  EXPECT_FALSE(read_packet<Acknowledgement>(*identity));
+  EXPECT_FALSE(read_packet<Command>(*identity));
 }
 
 TEST(Packet, EveryPacketIsShorterThanAUsbPacket) {

@@ -48,7 +48,7 @@ void check_commands(std::span<const std::uint8_t> input) {
   require(device.has_packet());
   const WirePacket packet = device.next_packet();
   const auto opened = open_packet(packet.span().first(packet.size - 1U));
-  require(opened && read_identity(*opened) && read_identity(*opened)->tag == 0x1234);
+  require(opened && read_packet<Identity>(*opened) && read_packet<Identity>(*opened)->tag == 0x1234);
   require(!device.has_packet());
 }
 

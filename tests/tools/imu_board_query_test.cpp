@@ -22,7 +22,7 @@ class MemoryBoard final : public ByteSource {
   }
   bool write(std::span<const std::uint8_t> bytes) override {
     sent.assign(bytes.begin(), bytes.end());
-    const auto command = read_command(*open_packet(bytes.first(bytes.size() - 1)));
+    const auto command = read_packet<Command>(*open_packet(bytes.first(bytes.size() - 1)));
     Identity other;  // an answer to somebody else
     other.tag = static_cast<std::uint16_t>(command->tag + 1);
     append(encode(other));
@@ -55,8 +55,8 @@ class MemoryBoard final : public ByteSource {
 TEST(BoardQuery, TheAnswerWithTheCommandsTagIsTaken) {
   MemoryBoard board;
   const auto answer = ask(board, CommandCode::kIdentity, std::chrono::seconds{10});
-  ASSERT_TRUE(answer && read_identity(*answer));
-  EXPECT_EQ(read_identity(*answer)->version, (std::array<std::uint8_t, 3>{1, 2, 3}));
+  ASSERT_TRUE(answer && read_packet<Identity>(*answer));
+  EXPECT_EQ(read_packet<Identity>(*answer)->version, (std::array<std::uint8_t, 3>{1, 2, 3}));
 }
 
 TEST(BoardQuery, ARefusalIsNoAnswer) {

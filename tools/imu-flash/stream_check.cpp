@@ -30,7 +30,7 @@ struct Heard {
       ++frames;
       faults += last.has(ImuStatus::kSensorFault) ? 1 : 0;
     } else if (const std::optional<OpenedPacket> opened = open_packet(packet)) {
-      if (const std::optional<Identity> answer = read_identity(*opened)) identity = answer;
+      if (const std::optional<Identity> answer = read_packet<Identity>(*opened)) identity = answer;
     }
   }
   double seconds() const { return static_cast<double>(last.device_us - first->device_us) * 1e-6; }

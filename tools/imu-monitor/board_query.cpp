@@ -36,7 +36,7 @@ std::optional<OpenedPacket> ask(ByteSource& board, CommandCode code, Duration pa
       const std::optional<SplitPacket> packet = splitter.take(byte);
       const std::optional<OpenedPacket> opened = packet ? open_packet(packet->bytes) : std::nullopt;
       if (!opened || is_sample(*opened) || wire::load<std::uint16_t>(opened->plain, kTagAt) != kTag) continue;
-      if (read_acknowledgement(*opened)) return std::nullopt;
+      if (read_packet<Acknowledgement>(*opened)) return std::nullopt;
       return opened;
     }
   }

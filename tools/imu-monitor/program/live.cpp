@@ -53,15 +53,15 @@ int query(const ImuSourceConfig& config, bool self_test) {
   const std::unique_ptr<ByteSource> board = make_imu_source(config);
   const std::optional<OpenedPacket> identity = ask(*board, CommandCode::kIdentity, kAnswerTime);
   const std::optional<OpenedPacket> statistics = ask(*board, CommandCode::kStatistics, kAnswerTime);
-  if (!identity || !statistics || !read_identity(*identity) || !read_statistics(*statistics)) {
+  if (!identity || !statistics || !read_packet<Identity>(*identity) || !read_packet<Statistics>(*statistics)) {
     std::fprintf(stderr, "imu-monitor: %s\n", board->is_open() ? "the board does not answer" : "no board there");
     return 1;
   }
-  std::fputs((identity_text(*read_identity(*identity)) + statistics_text(*read_statistics(*statistics))).c_str(),
+  std::fputs((identity_text(*read_packet<Identity>(*identity)) + statistics_text(*read_packet<Statistics>(*statistics))).c_str(),
              stdout);
   if (!self_test) return 0;
   const std::optional<OpenedPacket> answer = ask(*board, CommandCode::kSelfTest, kSelfTestTime);
-  const std::optional<SelfTestReport> report = answer ? read_self_test(*answer) : std::nullopt;
+  const std::optional<SelfTestReport> report = answer ? read_packet<SelfTestReport>(*answer) : std::nullopt;
   if (!report) {
     std::fprintf(stderr, "imu-monitor: no result of the self-test\n");
     return 1;
