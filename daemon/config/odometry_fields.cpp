@@ -36,7 +36,9 @@ Fields facade_fields(OdometryConfig& c) {
 
 Fields drift_fields(MapDriftConfig& c) {
   return {
-      {"odometry.drift.position_m_rtm", &c.position_m_rtm, "m/rtm", {0, 1}, "random walk of the local map"},
+      {"odometry.drift.renewal_m", &c.renewal_m, "m", {1, 10000},
+       "travel in which the local map takes on the pose's own uncertainty"},
+      {"odometry.drift.position_m_rtm", &c.position_m_rtm, "m/rtm", {0, 1}, "random walk of the local map besides"},
       {"odometry.drift.attitude_rad_rtm", &c.attitude_rad_rtm, "rad/rtm", {0, 1}, "likewise"},
       {"odometry.drift.first_tilt_rad", &c.first_tilt_rad, "rad", {0, 1}, "of a map just begun"},
       {"odometry.drift.first_heading_rad", &c.first_heading_rad, "rad", {0, 1}, "likewise"},

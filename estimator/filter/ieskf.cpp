@@ -173,7 +173,7 @@ UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> p
     summary.matched = scan.matched;
     summary.inliers = scan.inliers;
     if (!is_enough(config, scan)) return summary;
-    summary.test_ratio = scan.squared_error / scan.inliers;
+    summary.test_ratio = scan.squared_error / scan.matched;
     forget_free_directions(config, scan, summary);
     step.emplace(scan, believed(config, scan, summary, share), filter, boxminus(state, filter.state));
     if (!step->error().allFinite()) return summary;

@@ -30,7 +30,7 @@ struct UpdateSummary {
   std::uint32_t iterations = 0;
   std::uint32_t matched = 0;
   std::uint32_t inliers = 0;
-  double test_ratio = 0.0;      // mean normalised innovation over its gate; above 1 the scan contradicts the map
+  double test_ratio = 0.0;      // mean squared normalised residual; points beyond the gate count as at it
   int free_translations = 0;    // directions of position and axes of attitude that the prior alone holds
   int free_rotations = 0;
   Eigen::Vector3d free_direction = Eigen::Vector3d::Zero();  // unit, odom: the least constrained one, if any is free

@@ -67,11 +67,11 @@ Linearisation PointToPlane::linearise(const InertialState& state, const Matrix6d
     const double gate2 = config_.gate_sigmas * config_.gate_sigmas * (variance + prior_variance);
     ++out.matched;
     const double squared = residual * residual;
+    out.squared_error += std::min(squared, gate2) / variance;
     if (squared > gate2 || squared > config_.max_residual_m * config_.max_residual_m) continue;
     const double scaled = squared / (config_.robust_scale * config_.robust_scale * (variance + prior_variance));
     const double weight = 1.0 / (variance * (1.0 + scaled));
     ++out.inliers;
-    out.squared_error += squared / variance;
     const double faked = weight * match.plane.tilt_variance();
     out.normal_noise += faked;
     out.normal_noise_rotation += faked * p_imu.squaredNorm();

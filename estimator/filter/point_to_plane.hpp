@@ -31,7 +31,7 @@ struct Linearisation {
   MeasuredVector gradient = MeasuredVector::Zero();     // sum w h r
   double normal_noise = 0.0;    // sum w (tilt variance): information on position that noise in the normals would fake
   double normal_noise_rotation = 0.0;  // likewise on attitude, sum w (tilt variance) |p|^2
-  double squared_error = 0.0;   // sum of (r / sigma)^2 over inliers, not robust
+  double squared_error = 0.0;   // sum of (r / sigma)^2 over all matched, not robust; beyond the gate as much as at it
   std::uint32_t matched = 0;    // points with a plane
   std::uint32_t inliers = 0;    // of them inside the gate
 };

@@ -4,6 +4,16 @@ namespace slamd {
 
 using I = ErrorIndex;
 
+Matrix6d local_covariance(const FilterSnapshot& snapshot, const Pose& T_base_imu) {
+  // Position and attitude error of base from attitude and position error of the IMU, both right perturbations.
+  Matrix6d J_base_imu = Matrix6d::Zero();
+  J_base_imu.block<3, 3>(0, I::kAttitude) =
+      -snapshot.state.R_odom_imu.toRotationMatrix() * skew(T_base_imu.inverse().translation);
+  J_base_imu.block<3, 3>(0, I::kPosition) = Eigen::Matrix3d::Identity();
+  J_base_imu.block<3, 3>(3, I::kAttitude) = T_base_imu.rotation.toRotationMatrix();
+  return J_base_imu * snapshot.covariance.topLeftCorner<6, 6>() * J_base_imu.transpose();
+}
+
 NavState base_state(const FilterSnapshot& snapshot, const Pose& T_base_imu) {
   const InertialState& state = snapshot.state;
   const Pose T_imu_base = T_base_imu.inverse();
@@ -15,14 +25,7 @@ NavState base_state(const FilterSnapshot& snapshot, const Pose& T_base_imu) {
   out.angular_velocity_rads = T_base_imu.rotation * snapshot.angular_velocity_rads;
   out.gyro_bias_rads = state.gyro_bias;
   out.accel_bias_mps2 = state.accel_bias;
-
-  // Position and attitude error of base from attitude and position error of the IMU, both right perturbations.
-  Matrix6d J_base_imu = Matrix6d::Zero();
-  J_base_imu.block<3, 3>(0, I::kAttitude) = -R_odom_imu * skew(T_imu_base.translation);
-  J_base_imu.block<3, 3>(0, I::kPosition) = Eigen::Matrix3d::Identity();
-  J_base_imu.block<3, 3>(3, I::kAttitude) = T_base_imu.rotation.toRotationMatrix();
-  out.covariance = J_base_imu * snapshot.covariance.topLeftCorner<6, 6>() * J_base_imu.transpose();
-  out.covariance += snapshot.map_covariance;
+  out.covariance = local_covariance(snapshot, T_base_imu) + snapshot.map_covariance;
   return out;
 }
 

@@ -9,4 +9,8 @@ namespace slamd {
 /// Pose, twist, biases and covariance of base at snapshot.time; status fields are left at their defaults.
 NavState base_state(const FilterSnapshot& snapshot, const Pose& T_base_imu);
 
+/// What the filter itself does not know of base's pose: relative to the map around, without the drift of that map. Rows as
+/// NavState::covariance.
+Matrix6d local_covariance(const FilterSnapshot& snapshot, const Pose& T_base_imu);
+
 }  // namespace slamd

@@ -21,8 +21,8 @@ Matrix6d odom_to_base(const FilterSnapshot& filter, const Pose& T_base_imu) {
 
 }  // namespace
 
-void KeyframeRelation::carry(const Pose& T_odom_a, const Pose& T_odom_b) {
-  walk_ = carry_drift(config_, walk_, T_odom_a, T_odom_b);
+void KeyframeRelation::carry(const Pose& T_odom_a, const Pose& T_odom_b, const Matrix6d& local) {
+  walk_ = carry_drift(config_, walk_, T_odom_a, T_odom_b, local);
 }
 
 Matrix6d KeyframeRelation::covariance(const FilterSnapshot& filter) const {

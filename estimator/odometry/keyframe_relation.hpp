@@ -17,8 +17,8 @@ class KeyframeRelation {
  public:
   KeyframeRelation(const MapDriftConfig& config, const Pose& T_base_imu) : config_{config}, T_base_imu_{T_base_imu} {}
 
-  /// The scan moved base from T_odom_a to T_odom_b. Once a scan.
-  void carry(const Pose& T_odom_a, const Pose& T_odom_b);
+  /// The scan moved base from T_odom_a to T_odom_b, where it is known to `local` (carry_drift). Once a scan.
+  void carry(const Pose& T_odom_a, const Pose& T_odom_b, const Matrix6d& local);
   /// The local map is about to begin anew at the filter's pose, which from then on has no error of its own: what it was
   /// worth so far is kept here.
   void keep_before_new_map(FilterSnapshot& filter);

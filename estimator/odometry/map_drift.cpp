@@ -1,5 +1,7 @@
 #include "estimator/odometry/map_drift.hpp"
 
+#include <algorithm>
+
 namespace slamd {
 
 using I = ErrorIndex;
@@ -28,7 +30,8 @@ Matrix6d skew_drift(const MapDriftConfig& config, const FilterSnapshot& filter) 
   return drift;
 }
 
-Matrix6d carry_drift(const MapDriftConfig& config, const Matrix6d& drift, const Pose& T_odom_a, const Pose& T_odom_b) {
+Matrix6d carry_drift(const MapDriftConfig& config, const Matrix6d& drift, const Pose& T_odom_a, const Pose& T_odom_b,
+                     const Matrix6d& local) {
   const Eigen::Vector3d moved = T_odom_b.translation - T_odom_a.translation;
   Matrix6d J_b_a = Matrix6d::Identity();
   J_b_a.block<3, 3>(0, 3) = -skew(moved) * T_odom_a.rotation.toRotationMatrix();
@@ -37,6 +40,7 @@ Matrix6d carry_drift(const MapDriftConfig& config, const Matrix6d& drift, const 
   const double distance_m = moved.norm();
   out.diagonal().head<3>().array() += config.position_m_rtm * config.position_m_rtm * distance_m;
   out.diagonal().tail<3>().array() += config.attitude_rad_rtm * config.attitude_rad_rtm * distance_m;
+  out += std::min(1.0, distance_m / config.renewal_m) * local;
   symmetrise(out);
   return out;
 }

@@ -6,12 +6,14 @@
 
 namespace slamd {
 
-/// A random walk in the distance driven, on top of what the first map's own tilt is worth. The figures are the drift of
-/// this front end over 1-200 m of simulated and recorded drives (README.md), with a margin.
+/// What is around the vehicle was put into the map by poses that were unsure themselves: within renewal_m the map takes on
+/// the covariance that the filter had there. So millimetres of drift on a street and metres on a field have one cause and one
+/// figure (README.md). On top comes a small walk of its own and what the first map's tilt is worth.
 struct MapDriftConfig {
-  double position_m_rtm = 8.0e-4;        // metres per root metre
-  double attitude_rad_rtm = 1.5e-5;      // radians per root metre
-  double first_tilt_rad = 6.0e-4;        // roll and pitch of a map begun at one place
+  double renewal_m = 20.0;               // travel in which the map around is another one
+  double position_m_rtm = 3.0e-4;        // walk besides, metres per root metre
+  double attitude_rad_rtm = 5.0e-6;      // radians per root metre
+  double first_tilt_rad = 4.0e-4;        // roll and pitch of a map begun at one place
   double first_heading_rad = 1.0e-4;
   double first_position_m = 2.0e-3;
   // Of a map begun while moving: its first scans are displaced and turned by what is wrong with the velocity.
@@ -27,8 +29,11 @@ Matrix6d first_drift(const MapDriftConfig& config);
 /// rate. Rows as NavState::covariance.
 Matrix6d skew_drift(const MapDriftConfig& config, const FilterSnapshot& filter);
 
-/// Carries the drift over a move of base from T_odom_a to T_odom_b: an error of attitude at `a` displaces `b`, and the walk
-/// adds its own. Rows as NavState::covariance.
-Matrix6d carry_drift(const MapDriftConfig& config, const Matrix6d& drift, const Pose& T_odom_a, const Pose& T_odom_b);
+/// Carries the drift over a move of base from T_odom_a to T_odom_b: an error of attitude at `a` displaces `b`, and what the
+/// map took in on the way adds its own.
+/// local   covariance of base at `b` relative to the map (local_covariance); zero when nothing was put into the map
+/// Rows as NavState::covariance.
+Matrix6d carry_drift(const MapDriftConfig& config, const Matrix6d& drift, const Pose& T_odom_a, const Pose& T_odom_b,
+                     const Matrix6d& local);
 
 }  // namespace slamd

@@ -75,8 +75,11 @@ void ScanFusion::carry_drift(const FilterSnapshot& before, FilterSnapshot& filte
   const Pose T_imu_base = T_base_imu_.inverse();
   const Pose T_odom_before = before.state.T_odom_imu() * T_imu_base;
   const Pose T_odom_base = filter.state.T_odom_imu() * T_imu_base;
-  filter.map_covariance = slamd::carry_drift(config_.map_drift, filter.map_covariance, T_odom_before, T_odom_base);
-  relation_.carry(T_odom_before, T_odom_base);
+  const bool inserted = unfused_ == 0;
+  const Matrix6d local = inserted ? local_covariance(filter, T_base_imu_) : Matrix6d::Zero();
+  Matrix6d& drift = filter.map_covariance;
+  drift = slamd::carry_drift(config_.map_drift, drift, T_odom_before, T_odom_base, local);
+  relation_.carry(T_odom_before, T_odom_base, local);
 }
 
 bool ScanFusion::map_is_mature() const {

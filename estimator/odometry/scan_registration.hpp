@@ -26,7 +26,8 @@ class ScanRegistration {
   /// Moves the scan's segments to the scan's end. Once a scan, before update() and insert().
   void deskew(const Scan& scan, const Pose& T_imu_lidar);
   /// Fuses the de-skewed segments; see slamd::update. When it did, the segments are de-skewed anew by the motion that the
-  /// posterior implies. alone: no IMU has ever measured any motion, a scan's own is a guess.
+  /// posterior implies. alone: no IMU has ever measured any motion: a scan's own is a guess, and a scan that
+  /// contradicts the map is not fused.
   UpdateSummary update(const Scan& scan, bool alone, FilterSnapshot& filter, StageListener* listener);
   /// Adds the de-skewed segments to the map at the filter's pose; alone only from a new viewpoint.
   void insert(const InertialState& state, bool alone);

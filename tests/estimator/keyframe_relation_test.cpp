@@ -24,7 +24,7 @@ TEST(KeyframeRelation, TheFirstKeyframeHasNone) {
   Random random{1};
   FilterSnapshot filter = random_filter(random);
   KeyframeRelation relation{MapDriftConfig{}, test::random_pose(random)};
-  relation.carry(test::random_pose(random), test::random_pose(random));
+  relation.carry(test::random_pose(random), test::random_pose(random), Matrix6d::Zero());
   EXPECT_EQ(relation.take(filter), Matrix6d::Zero());
 }
 
@@ -73,7 +73,7 @@ TEST(KeyframeRelation, TheMapsWalkIsToldInTheKeyframesOwnFrame) {
   Pose from = filter.state.T_odom_imu();
   for (int i = 0; i < 100; ++i) {
     filter.state.p_odom_imu.y() += 0.1;
-    relation.carry(from, filter.state.T_odom_imu());
+    relation.carry(from, filter.state.T_odom_imu(), Matrix6d::Zero());
     from = filter.state.T_odom_imu();
   }
   const Matrix6d covariance = relation.take(filter);

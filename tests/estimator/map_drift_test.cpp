@@ -13,6 +13,7 @@ using test::Random;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 const MapDriftConfig kStill{.position_m_rtm = 0.0, .attitude_rad_rtm = 0.0};
+const Matrix6d kNothing = Matrix6d::Zero();
 
 Vector6d pose_error(const Pose& to, const Pose& from) {
   Vector6d e;
@@ -32,7 +33,7 @@ TEST(MapDrift, AnErrorBehindIsCarriedAlongByTheMotion) {
     const Matrix6d J = test::central_differences<6, 6>(moved);
     const Matrix6d drift = test::random_covariance(random, 0.1).topLeftCorner<6, 6>();
     const Matrix6d expected = J * drift * J.transpose();
-    EXPECT_LT((carry_drift(kStill, drift, T_odom_a, T_odom_b) - expected).norm(), 1e-7 * expected.norm());
+    EXPECT_LT((carry_drift(kStill, drift, T_odom_a, T_odom_b, kNothing) - expected).norm(), 1e-7 * expected.norm());
   }
 }
 
@@ -40,7 +41,8 @@ TEST(MapDrift, AtRestNothingDrifts) {
   Random random{2};
   const Pose T_odom_base = test::random_pose(random);
   const Matrix6d drift = first_drift(MapDriftConfig{});
-  EXPECT_LT((carry_drift(MapDriftConfig{}, drift, T_odom_base, T_odom_base) - drift).norm(), 1e-18);
+  const Matrix6d local = test::random_covariance(random, 0.1).topLeftCorner<6, 6>();
+  EXPECT_LT((carry_drift(MapDriftConfig{}, drift, T_odom_base, T_odom_base, local) - drift).norm(), 1e-18);
 }
 
 TEST(MapDrift, AMapBegunWhileMovingIsWorthLessTheLessTheVelocityIsKnown) {
@@ -63,11 +65,30 @@ TEST(MapDrift, TheWalkGrowsWithTheRootOfTheDistanceWhateverItsSteps) {
     for (int i = 0; i < steps; ++i) {
       Pose next = T_odom_base;
       next.translation.x() += 100.0 / steps;
-      drift = carry_drift(config, drift, T_odom_base, next);
+      drift = carry_drift(config, drift, T_odom_base, next, kNothing);
       T_odom_base = next;
     }
     for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(std::sqrt(drift(axis, axis)), 0.01, 1e-9);
   }
+}
+
+TEST(MapDrift, AMapMadeByUnsurePosesTakesOnTheirCovariance) {
+  const MapDriftConfig config{.renewal_m = 20.0, .position_m_rtm = 0.0, .attitude_rad_rtm = 0.0};
+  Matrix6d local = Matrix6d::Zero();
+  local(0, 0) = 0.25;
+  Matrix6d drift = Matrix6d::Zero();
+  Pose T_odom_base;
+  for (int i = 0; i < 40; ++i) {
+    Pose next = T_odom_base;
+    next.translation.x() += 0.5;
+    drift = carry_drift(config, drift, T_odom_base, next, local);
+    T_odom_base = next;
+  }
+  EXPECT_NEAR(drift(0, 0), 0.25, 1e-9) << "after one renewal the map is as unsure as the poses were";
+  EXPECT_EQ(drift(1, 1), 0.0);
+  Pose far = T_odom_base;
+  far.translation.x() += 1e3;
+  EXPECT_NEAR(carry_drift(config, drift, T_odom_base, far, local)(0, 0), 0.5, 1e-9) << "one step renews it once";
 }
 
 TEST(MapDrift, TheWalkOfTheHeadingMovesThePositionSideways) {
@@ -77,7 +98,7 @@ TEST(MapDrift, TheWalkOfTheHeadingMovesThePositionSideways) {
   for (int i = 0; i < 1'000; ++i) {
     Pose next = T_odom_base;
     next.translation.x() += 0.1;
-    drift = carry_drift(config, drift, T_odom_base, next);
+    drift = carry_drift(config, drift, T_odom_base, next, kNothing);
     T_odom_base = next;
   }
   // Integral of a walk: sigma^2 = q^2 s^3 / 3.

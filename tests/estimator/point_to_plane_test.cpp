@@ -104,6 +104,21 @@ TEST_F(PointToPlaneInARoom, TheGradientIsThatOfTheGeometry) {
   }
 }
 
+TEST_F(PointToPlaneInARoom, PointsBeyondTheGateTellNothingButCountAsContradiction) {
+  const auto points = test::see(walls_, state_, random_, 200, 0.02);
+  PointToPlane residuals{PointToPlaneConfig{}, 1'000};
+  residuals.associate(points, state_, *map_);
+  ErrorVector off = ErrorVector::Zero();
+  off.segment<3>(I::kPosition).setConstant(0.4);
+  const Linearisation there = residuals.linearise(state_, Matrix6d::Zero(), false);
+  const Linearisation beside = residuals.linearise(boxplus(state_, off), Matrix6d::Zero(), false);
+  ASSERT_EQ(beside.matched, there.matched);
+  EXPECT_LT(beside.inliers, there.inliers / 10);
+  const double gate2 = PointToPlaneConfig{}.gate_sigmas * PointToPlaneConfig{}.gate_sigmas;
+  EXPECT_GT(beside.squared_error, 0.9 * gate2 * beside.matched);
+  EXPECT_LE(beside.squared_error, 1.001 * gate2 * beside.matched);
+}
+
 TEST_F(PointToPlaneInARoom, WithoutTheExtrinsicItsRowsAreZero) {
   const auto points = test::see(walls_, state_, random_, 200, 0.02);
   PointToPlane residuals{PointToPlaneConfig{}, 1'000};
