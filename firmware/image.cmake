@@ -42,4 +42,4 @@ add_custom_command(OUTPUT slamd-imu.elf slamd-imu.bin slamd-imu.uf2
           slamd-imu.elf slamd-imu.bin slamd-imu.uf2
   DEPENDS linked.elf ${CMAKE_CURRENT_LIST_DIR}/boot/make_image.py COMMENT "Finishing slamd-imu.elf .bin .uf2" VERBATIM)
 add_custom_target(firmware ALL DEPENDS slamd-imu.elf slamd-imu.bin slamd-imu.uf2)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/slamd-imu.uf2 DESTINATION share/slamd)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/slamd-imu.uf2 DESTINATION share/slamd COMPONENT firmware)
