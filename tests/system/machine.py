@@ -1,0 +1,139 @@
+"""A booted Debian in a container of its own: systemd-nspawn on an overlay of the running root, which it cannot change. Holds no
+test."""
+
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+import unittest
+import uuid
+
+ADDRESS = "192.168.1.77"         # of the machine
+SENSOR_ADDRESS = "192.168.1.201"  # on the other end of its cable
+TOOLS = ("systemd-nspawn", "nsenter", "ip")
+
+
+def run(*command, check=True, timeout_s=120.0):
+    done = subprocess.run(command, capture_output=True, text=True, timeout=timeout_s, check=False)
+    if check and done.returncode != 0:
+        raise AssertionError(f"{' '.join(command)}: code {done.returncode}\n{done.stdout}{done.stderr}")
+    return done
+
+
+def await_value(what, attempt, timeout_s):
+    deadline = time.monotonic() + timeout_s
+    while time.monotonic() < deadline:
+        value = attempt()
+        if value:
+            return value
+        time.sleep(0.05)
+    raise AssertionError(f"waited {timeout_s} s for {what}")
+
+
+class Cable:
+    """Two network namespaces with a wire between them: the machine's and the sensors'."""
+
+    def __init__(self):
+        self.machine, self.sensors = (f"slamd-{end}-{os.getpid()}" for end in ("machine", "sensors"))
+        for namespace in (self.machine, self.sensors):
+            run("ip", "netns", "add", namespace)
+            run("ip", "-n", namespace, "link", "set", "lo", "up")
+        run("ip", "link", "add", "lidar0", "netns", self.machine, "type", "veth", "peer", "name", "vlp16", "netns", self.sensors)
+        self.address(self.machine, "lidar0", ADDRESS)
+        self.address(self.sensors, "vlp16", SENSOR_ADDRESS)
+
+    @staticmethod
+    def address(namespace, device, address):
+        run("ip", "-n", namespace, "address", "add", f"{address}/24", "dev", device)
+        run("ip", "-n", namespace, "link", "set", device, "up")
+
+    def close(self):
+        for namespace in (self.machine, self.sensors):
+            run("ip", "netns", "delete", namespace, check=False)
+
+
+class Machine:
+    """prepare(), boot(), close(); close() alone when one of the two has failed."""
+
+    def __init__(self):
+        self.folder = tempfile.mkdtemp(prefix="slamd-system-")
+        self.root = os.path.join(self.folder, "root")
+        self.container = None
+        self.leader = None
+        self.cable = None
+
+    def prepare(self):
+        """Its root and its network cable. SkipTest where the system does not permit a machine."""
+        missing = [tool for tool in TOOLS if shutil.which(tool) is None]
+        if os.geteuid() != 0 or missing:
+            raise unittest.SkipTest(f"a machine is booted by root only; missing: {missing or 'nothing'}")
+        self.mount()
+        self.cable = Cable()
+
+    def boot(self, devices=()):
+        """devices: files of this machine and what they are called in the other one."""
+        binds = [f"--bind={here}:{there}" for here, there in devices]
+        with open(os.path.join(self.folder, "console"), "wb") as console:
+            self.container = subprocess.Popen(
+                ["systemd-nspawn", "--boot", "--directory", self.root, "--register=no", "--keep-unit", "--console=pipe",
+                 "--capability=all", "--system-call-filter=@memlock bpf", f"--machine=slamd-{os.getpid()}",
+                 f"--network-namespace-path=/run/netns/{self.cable.machine}", *binds, "--", "--unit=basic.target"],
+                stdin=subprocess.DEVNULL, stdout=console, stderr=console, start_new_session=True,
+                env={**os.environ, "SYSTEMD_NSPAWN_UNIFIED_HIERARCHY": "1"})
+        self.leader = await_value("the machine's init", self.find_leader, 30.0)
+        await_value("the boot", lambda: self.call("systemctl", "is-system-running", check=False).stdout.strip()
+                    in ("running", "degraded"), 60.0)
+
+    def mount(self):
+        upper, work = (os.path.join(self.folder, name) for name in ("upper", "work"))
+        for folder in (self.root, upper, work):
+            os.mkdir(folder)
+        mounted = run("mount", "-t", "overlay", "overlay", "-o", f"lowerdir=/,upperdir={upper},workdir={work}", self.root,
+                      check=False)
+        if mounted.returncode != 0:
+            raise unittest.SkipTest(f"no overlay of the root file system: {mounted.stderr.strip()}")
+        os.remove(self.path("/etc/machine-id"))
+        self.write("/etc/machine-id", uuid.uuid4().hex + "\n")
+
+    def find_leader(self):
+        with open(f"/proc/{self.container.pid}/task/{self.container.pid}/children", encoding="ascii") as children:
+            pids = children.read().split()
+        return int(pids[0]) if pids else None
+
+    def path(self, path):
+        return self.root + path
+
+    def write(self, path, text):
+        os.makedirs(os.path.dirname(self.path(path)), exist_ok=True)
+        with open(self.path(path), "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def call(self, *command, check=True, timeout_s=120.0):
+        """Runs a command in the machine, as its root."""
+        return run("nsenter", "-t", str(self.leader), "-a", "--", "env", "-i", "PATH=/usr/sbin:/usr/bin:/sbin:/bin",
+                   "DEBIAN_FRONTEND=noninteractive", *command, check=check, timeout_s=timeout_s)
+
+    def show(self, unit, name):
+        return self.call("systemctl", "show", "--value", "-p", name, unit).stdout.strip()
+
+    def install(self, folder, *packages):
+        """With what the packages need already there: it has no network."""
+        shutil.copytree(folder, self.path("/debs"), dirs_exist_ok=True, ignore=lambda _, names:
+                        [name for name in names if not name.endswith(".deb")])
+        files = [f"/debs/{name}" for name in os.listdir(self.path("/debs")) if name.split("_")[0] in packages]
+        return self.call("apt-get", "install", "-y", "--no-install-recommends", "-o", "Dpkg::Use-Pty=0", *files).stdout
+
+    def close(self):
+        if self.leader:
+            run("kill", "-s", "RTMIN+4", str(self.leader), check=False)  # poweroff
+        if self.container:
+            try:
+                self.container.wait(20.0)
+            except subprocess.TimeoutExpired:
+                self.container.kill()
+                self.container.wait()
+        if self.cable:
+            self.cable.close()
+        run("umount", "-l", self.root, check=False)
+        shutil.rmtree(self.folder, ignore_errors=True)
