@@ -1,6 +1,7 @@
 """A booted Debian in a container of its own: systemd-nspawn on an overlay of the running root, which it cannot change. Holds no
 test."""
 
+import glob
 import os
 import shutil
 import subprocess
@@ -82,8 +83,11 @@ class Machine:
                 stdin=subprocess.DEVNULL, stdout=console, stderr=console, start_new_session=True,
                 env={**os.environ, "SYSTEMD_NSPAWN_UNIFIED_HIERARCHY": "1"})
         self.leader = await_value("the machine's init", self.find_leader, 30.0)
-        await_value("the boot", lambda: self.call("systemctl", "is-system-running", check=False).stdout.strip()
-                    in ("running", "degraded"), 60.0)
+        try:
+            await_value("the boot", lambda: self.call("systemctl", "is-system-running", check=False).stdout.strip()
+                        in ("running", "degraded"), 120.0)
+        except AssertionError as failure:
+            raise AssertionError(f"{failure}\n{self.call('systemctl', 'list-jobs', check=False).stdout}") from failure
 
     def mount(self):
         upper, work = (os.path.join(self.folder, name) for name in ("upper", "work"))
@@ -93,6 +97,9 @@ class Machine:
                       check=False)
         if mounted.returncode != 0:
             raise unittest.SkipTest(f"no overlay of the root file system: {mounted.stderr.strip()}")
+        for wants in glob.glob(self.path("/etc/systemd/system/*.wants")):
+            shutil.rmtree(wants)  # what this machine was asked to start, the other one was not
+        os.symlink("/dev/null", self.path("/etc/systemd/system/timers.target"))
         os.remove(self.path("/etc/machine-id"))
         self.write("/etc/machine-id", uuid.uuid4().hex + "\n")
 
