@@ -167,10 +167,10 @@ TEST_F(ServerLimitsTest, JobsBeyondTheLimitAreRefused) {
   RawClient second = connect();
   first.request(1, "get_map", {{"voxel_size_m", 0.02}});
   first.request(2, "version");
-  first.answer(2);  // so the job has begun
+  const bool done = first.receive()->at("id") == 1;  // else it was the version, and the job has begun
   const json answer = second.call(1, "get_map");
   const bool refused = answer.contains("error") && answer.at("error").at("code") == error::kBusy;
-  EXPECT_TRUE(refused || first.answer(1).contains("result")) << "refused, unless the first was done already";
+  EXPECT_TRUE(refused || done || first.answer(1).contains("result")) << "refused, unless the first was done already";
 }
 
 TEST_F(ServerLimitsTest, AnswersStillComeAfterTheClientShutDownItsSendingSide) {
