@@ -52,11 +52,18 @@ Fields drift_fields(MapDriftConfig& c) {
 
 Fields moving_start_fields(VelocitySearchConfig& c) {
   return {
-      {"odometry.moving_start.scans", &c.scans, "", kCount, "fused ones until velocity is known"},
+      {"odometry.moving_start.scans", &c.scans, "", kCount, "fused one against the other until a velocity is known"},
       {"odometry.moving_start.found_sigma_mps", &c.found_sigma_mps, "m/s", kSigma, "of velocity by each of those scans"},
-      {"odometry.moving_start.settling_scans", &c.settling_scans, "", kCount,
-       "fused after those, then the map begins anew"},
-      {"odometry.moving_start.limit_s", &c.limit_s, "s", kSeconds, "velocity not found in this time: LOST until it is"},
+      {"odometry.moving_start.round_scans", &c.round_scans, "", kCount,
+       "fused after those on one map; rounds follow each other until all has settled"},
+      {"odometry.moving_start.round_sigma_mps", &c.round_sigma_mps, "m/s", kSigma, "of velocity as a round begins"},
+      {"odometry.moving_start.round_gyro_bias_rads", &c.round_gyro_bias_rads, "rad/s", kSigma, "of gyro bias, likewise"},
+      {"odometry.moving_start.least_rounds", &c.least_rounds, "", kCount, "before anything is taken for settled"},
+      {"odometry.moving_start.settled_mps", &c.settled_mps, "m/s", kSigma,
+       "a round that corrected velocity by less is the last one"},
+      {"odometry.moving_start.settled_test_ratio", &c.settled_test_ratio, "", kSigma,
+       "if its scans agreed with its map so well"},
+      {"odometry.moving_start.limit_s", &c.limit_s, "s", kSeconds, "not settled in this time: LOST until it is"},
       {"odometry.moving_start.max_unfused", &c.max_unfused, "", kCount,
        "scans in a row; then the search goes on from the newest one"},
   };

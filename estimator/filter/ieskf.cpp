@@ -183,6 +183,7 @@ UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> p
     gate_covariance = step->pose_covariance() + moved_now * moved_now.transpose();
   }
   if (step) step->finish(filter);
+  summary.corrected_mps = state.v_odom_imu - filter.state.v_odom_imu;
   filter.state = state;
   summary.fused = step.has_value();
   return summary;

@@ -30,6 +30,7 @@ struct UpdateSummary {
   std::uint32_t iterations = 0;
   std::uint32_t matched = 0;
   std::uint32_t inliers = 0;
+  Eigen::Vector3d corrected_mps = Eigen::Vector3d::Zero();  // velocity, posterior less prior, odom
   double test_ratio = 0.0;      // mean squared normalised residual; points beyond the gate count as at it
   int free_translations = 0;    // directions of position and axes of attitude that the prior alone holds
   int free_rotations = 0;

@@ -49,6 +49,7 @@ void ScanFusion::absorb(const UpdateSummary& update, bool alone, FilterSnapshot&
   const bool skewed = searching && update.fused && velocity_search_.fused(update, filter);
   const std::uint32_t patience = searching ? velocity_search_.max_unfused() : config_.max_unfused_scans;
   const bool gives_up = makes_map && unfused_ > patience;
+  if (gives_up) velocity_search_.begin_round();
   restarted_ = gives_up || (overdue && !velocity_search_.is_on());
   if (restarted_) ++stats_.map_restarts;
   const NewMap new_map{.defines_odom = searching || !odom_is_told_, .moving = skewed || gives_up};
