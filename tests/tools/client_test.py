@@ -72,6 +72,7 @@ class BlockingClient(WithServer):
         sample = page.read()
         while sample.sequence < pose["sequence"]:
             sample = page.read()
+        self.assertEqual(page.starts(), 1)
         self.assertEqual(sample.status, "TRACKING")
         self.assertEqual(sample.map_position_m[1:], (2.0, 3.0))
         self.assertEqual(sample.map_rotation_xyzw, (0.0, 0.0, 0.0, 1.0))
