@@ -6,6 +6,8 @@ std::vector<Field> back_end_fields(BackEndConfig& c) {
   MapGraphConfig& graph = c.mapper.graph;
   return {
       {"graph.use_loops", &c.use_loops, "", {}, "search for places seen before and close loops"},
+      {"graph.cloud_byte_budget", &c.loops.clouds.byte_budget, "B", {1U << 20U, 1e12},
+       "of the points for closing loops; beyond it no loop is closed with the oldest keyframes"},
       {"graph.use_gps", &c.use_gps, "", {}, "align the map in ENU, and correct it where GPS contradicts it"},
       {"graph.gravity_sigma_rad", &graph.gravity_sigma_rad, "rad", {1e-4, 1}, "of a keyframe's direction of gravity, at least"},
       {"graph.gravity_correlation", &graph.gravity_correlation, "", {1, 1e4}, "keyframes that share one error of gravity"},

@@ -1,7 +1,6 @@
 #include "daemon/store/recent_voxels.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "daemon/store/voxel_set.hpp"
@@ -29,9 +28,8 @@ std::uint64_t RecentVoxels::key(const Eigen::Vector3d& p_odom) const {
 }
 
 std::size_t RecentVoxels::find(std::uint64_t key) const {
-  const std::size_t mask = slots_.size() - 1;
-  std::size_t slot = VoxelSet::spread(key) & mask;
-  while (slots_[slot] != kFree && slots_[slot] >> kSerialBits != key) slot = (slot + 1) & mask;
+  std::size_t slot = ((VoxelSet::spread(key) >> 32U) * slots_.size()) >> 32U;  // from 2^32 down to their number
+  while (slots_[slot] != kFree && slots_[slot] >> kSerialBits != key) slot = slot + 1 < slots_.size() ? slot + 1 : 0;
   return slot;
 }
 
@@ -61,7 +59,7 @@ void RecentVoxels::forget_old() {
   old.swap(slots_);
   const auto keep = [this](std::uint64_t slot) { return slot != kFree && is_recent(slot); };
   used_ = static_cast<std::size_t>(std::count_if(old.begin(), old.end(), keep));
-  slots_.assign(std::bit_ceil(std::max(2 * used_, kFewestSlots)), kFree);
+  slots_.assign(std::max(2 * used_, kFewestSlots), kFree);
   for (const std::uint64_t slot : old) {
     if (keep(slot)) slots_[find(slot >> kSerialBits)] = slot;
   }

@@ -35,7 +35,7 @@ class RecentVoxels {
   double inverse_size_;
   std::uint32_t window_;
   std::uint32_t newest_ = 0, oldest_ = 0;
-  std::vector<std::uint64_t> slots_;  // power of two; key above, serial in the low 24 bits
+  std::vector<std::uint64_t> slots_;  // key above, serial in the low 24 bits
   std::size_t used_ = 0;              // slots that are not free, old ones included
 };
 

@@ -1,7 +1,6 @@
 #include "daemon/store/voxel_set.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <cmath>
 
@@ -18,17 +17,16 @@ std::uint64_t axis_number(double coordinate) {
 }  // namespace
 
 VoxelSet::VoxelSet(double voxel_size_m, std::size_t most)
-    : inverse_size_{1.0 / voxel_size_m}, slots_(std::bit_ceil(std::max(most / 3 * 4 + 4, kFewestSlots)), 0) {}
+    : inverse_size_{1.0 / voxel_size_m}, slots_(std::max(most / 4 * 5 + 4, kFewestSlots), 0) {}
 
 bool VoxelSet::take(double x, double y, double z) {
   const std::uint64_t hash = spread(axis_number(x * inverse_size_) << 42U | axis_number(y * inverse_size_) << 21U |
                                     axis_number(z * inverse_size_));
-  const std::uint32_t mark = static_cast<std::uint32_t>(hash >> 32U) | 1U;
-  const std::size_t mask = slots_.size() - 1;
-  std::size_t slot = hash & mask;
+  const std::uint32_t mark = static_cast<std::uint32_t>(hash) | 1U;
+  std::size_t slot = ((hash >> 32U) * slots_.size()) >> 32U;  // the high half, from 2^32 down to their number
   while (slots_[slot] != 0) {
     if (slots_[slot] == mark) return false;
-    slot = (slot + 1) & mask;
+    slot = slot + 1 < slots_.size() ? slot + 1 : 0;
   }
   slots_[slot] = mark;
   ++size_;

@@ -10,7 +10,7 @@ namespace slamd {
 
 class VoxelSet {
  public:
-  /// voxel_size_m > 0. most: how many voxels will be taken at most.
+  /// voxel_size_m > 0. most: how many voxels will be taken at most, below 2^31.
   VoxelSet(double voxel_size_m, std::size_t most);
 
   /// Takes the voxel of a finite point; false when it was taken already. The grid repeats itself after 2^21 voxels.
@@ -27,7 +27,7 @@ class VoxelSet {
 
  private:
   double inverse_size_;
-  std::vector<std::uint32_t> slots_;  // power of two, at most three quarters taken; 0 is free
+  std::vector<std::uint32_t> slots_;  // at most four fifths taken; 0 is free
   std::size_t size_ = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace slamd {
 
@@ -81,22 +82,31 @@ Planar consensus(std::span<const EnuPair> pairs) {
   return best;
 }
 
+/// The mean of what lies within three sigma of the median.
 double height_m(std::span<const EnuPair> pairs, const std::vector<bool>& inlier) {
-  std::vector<double> steps;
+  std::vector<std::pair<double, double>> steps;  // height and sigma
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (inlier[i] && pairs[i].sigma_m.z() < 100.0) steps.push_back(pairs[i].p_enu.z() - pairs[i].p_map.z());
+    if (inlier[i] && pairs[i].sigma_m.z() < 100.0) steps.emplace_back(pairs[i].p_enu.z() - pairs[i].p_map.z(), pairs[i].sigma_m.z());
   }
   if (steps.empty()) return 0.0;
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::ranges::nth_element(steps, middle);
-  return *middle;
+  const double median_m = middle->first;
+  double sum = 0.0;
+  double count = 0.0;
+  for (const auto& [step_m, sigma_m] : steps) {
+    if (std::abs(step_m - median_m) > kInlierSigmas * sigma_m) continue;
+    sum += step_m;
+    count += 1.0;
+  }
+  return count > 0.0 ? sum / count : median_m;
 }
 
 /// Of the alignment at map's origin, from the spread of the inliers and the number of independent errors among them.
-Matrix4d covariance(std::span<const EnuPair> pairs, const std::vector<bool>& inlier, const Planar& T,
-                    const EnuFitConfig& config) {
+Matrix4d covariance(std::span<const EnuPair> pairs, const std::vector<bool>& inlier, const Planar& T) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   double count = 0.0;
+  double independent = 0.0;
   double sigma2 = 0.0;
   double sigma2_up = 0.0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -105,13 +115,14 @@ Matrix4d covariance(std::span<const EnuPair> pairs, const std::vector<bool>& inl
     sigma2 += pairs[i].sigma_m.x() * pairs[i].sigma_m.x();
     sigma2_up += pairs[i].sigma_m.z() * pairs[i].sigma_m.z();
     count += 1.0;
+    independent += pairs[i].share;
   }
   mean /= count;
+  independent = std::max(1.0, independent);
   double spread2 = 0.0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (inlier[i]) spread2 += (pairs[i].p_map.head<2>() - mean).squaredNorm() / count;
   }
-  const double independent = std::max(1.0, count * config.fix_period_s / (2.0 * config.correlation_s));
   const double yaw_variance = sigma2 / count / independent / std::max(spread2, 1e-6);
   const Eigen::Vector2d lever = Eigen::Rotation2Dd{T.yaw_rad} * mean;
   const Eigen::Vector2d d_yaw{lever.y(), -lever.x()};  // of the origin's shift, the middle of the track standing still
@@ -151,7 +162,7 @@ std::optional<EnuFit> fit_enu(std::span<const EnuPair> pairs, const EnuFitConfig
   if (inliers < config.min_fixes || fit.inlier_share < config.min_inlier_share) return std::nullopt;
   fit.alignment.yaw_rad = std::remainder(T.yaw_rad, 2.0 * M_PI);
   fit.alignment.translation << T.translation, height_m(pairs, fit.inlier);
-  fit.alignment.covariance = covariance(pairs, fit.inlier, T, config);
+  fit.alignment.covariance = covariance(pairs, fit.inlier, T);
   if (std::sqrt(fit.alignment.covariance(3, 3)) > config.max_yaw_sigma_rad) return std::nullopt;
   return fit;
 }

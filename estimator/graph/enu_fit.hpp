@@ -15,11 +15,11 @@ struct EnuPair {
   Eigen::Vector3d p_map;
   Eigen::Vector3d p_enu;
   Eigen::Vector3d sigma_m;  // east, north, up
+  double share = 1.0;       // of an independent sample: errors that last for many fixes count once
 };
 
 struct EnuFitConfig {
   double correlation_s = 30.0;        // a receiver's errors are much the same for so long
-  double fix_period_s = 1.0;
   double max_yaw_sigma_rad = 0.05;    // less sure: no alignment
   double min_inlier_share = 0.6;      // of the fixes; fewer: no alignment
   std::size_t min_fixes = 8;

@@ -10,14 +10,9 @@ namespace slamd {
 namespace {
 
 constexpr double kUnusedHeight_m = 1.0e4;  // sigma of a height that is left out
+constexpr double kMaxVelocityInnovation_mps = 1.5;
 constexpr double kDoubtfulWeight = 0.1;
 constexpr std::size_t kBatch = 10;         // new positions that are worth a solve
-
-EnuPair pair_of(const TiedFix& fix, const GraphView& view) {
-  const GnssPosition& position = fix.position;
-  const Pose& T_map_base = view.keyframes[position.keyframe].T_map_base;
-  return {T_map_base * position.p_keyframe_antenna, position.p_enu, position.sigma_m};
-}
 
 /// Of the horizontal prediction: alignment and what odometry may have drifted since the fix before it.
 Eigen::Matrix2d prediction_covariance(const EnuAlignment& alignment, const Eigen::Vector3d& p_map, double drift_m2) {
@@ -33,8 +28,7 @@ Eigen::Matrix2d prediction_covariance(const EnuAlignment& alignment, const Eigen
 GnssAlignment::GnssAlignment(const GnssAlignmentConfig& config, const Eigen::Vector3d& p_base_antenna)
     : config_{config},
       track_{p_base_antenna},
-      latch_{config.trust},
-      latency_{config.fit.fix_period_s / (2.0 * config.fit.correlation_s)} {}
+      latch_{config.trust} {}
 
 void GnssAlignment::add(const GnssFix& fix) {
   FixReport report{.time = fix.time, .chi2 = std::numeric_limits<double>::quiet_NaN(), .sigma_m = fix.sigma_horizontal_m};
@@ -70,7 +64,9 @@ void GnssAlignment::tie_pending() {
     std::optional<TiedFix> tied = track_.tie(fix, fix.time - from_seconds(latency_s_), p_enu);
     if (tied) {
       tied->report = pending.report;
-      reports_[pending.report].verdict = FixVerdict::kUnaligned;
+      if (!tied_.empty()) tied->since_last_s = to_seconds(tied->time - tied_.back().time);
+      FixVerdict& verdict = reports_[pending.report].verdict;
+      if (verdict == FixVerdict::kUntied) verdict = FixVerdict::kUnaligned;  // a fix that is tied anew keeps its own
       tied_.push_back(*tied);
       fixes_.push_back(pending);
     }
@@ -84,6 +80,17 @@ void GnssAlignment::tie_anew() {
   fixes_.clear();
   tied_.clear();
   tie_pending();
+}
+
+/// Of an independent sample.
+double GnssAlignment::share_of(const TiedFix& fix) const {
+  return std::min(1.0, fix.since_last_s / (2.0 * config_.fit.correlation_s));
+}
+
+EnuPair GnssAlignment::pair_of(const TiedFix& fix, const GraphView& view) const {
+  const GnssPosition& position = fix.position;
+  const Pose& T_map_base = view.keyframes[position.keyframe].T_map_base;
+  return {T_map_base * position.p_keyframe_antenna, position.p_enu, position.sigma_m, share_of(fix)};
 }
 
 std::vector<EnuPair> GnssAlignment::pairs(const GraphView& view) const {
@@ -103,21 +110,22 @@ void GnssAlignment::refit(const GraphView& view) {
   const GnssLatency latency = latency_.estimate();
   if (first || !config_.estimate_latency || !latency.significant()) return;
   latency_s_ += latency.correction_s;
-  latency_.clear();
+  latency_.shift(latency.correction_s);
   tie_anew();
   fit_ = fit_enu(pairs(view), config_.fit);
   judged_ = tied_.size();
 }
 
 GnssLatency GnssAlignment::latency() const {
-  const GnssLatency latency = latency_.estimate();
-  return {latency_s_ + (latency.significant() ? latency.correction_s : 0.0), latency.sigma_s};
+  const GnssLatency rest = latency_.estimate();
+  return {latency_s_ + rest.correction_s, rest.sigma_s};
 }
 
 bool GnssAlignment::update(const GraphView& view, const std::optional<EnuAlignment>& alignment) {
   tie_pending();
   const bool known = fit_.has_value();
-  const bool due = tied_.size() >= fitted_ + config_.refit_every;
+  const std::size_t grown = static_cast<std::size_t>(config_.refit_growth * static_cast<double>(fitted_));
+  const bool due = tied_.size() >= fitted_ + std::max<std::size_t>(config_.refit_every, grown);
   if (due) refit(view);
   if (!fit_) return false;
   if (bends_ && alignment) fit_->alignment = *alignment;
@@ -152,8 +160,19 @@ void GnssAlignment::judge(const GraphView& view, const EnuAlignment& alignment, 
   if (innovation.z() * innovation.z() > config_.max_chi2_vertical * variance_up) fix.position.sigma_m.z() = kUnusedHeight_m;
   if (report.verdict != FixVerdict::kAccepted) return;
   const Pose T_map_odom = view.keyframes[keyframe].T_map_base * view.keyframes[keyframe].T_odom_base.inverse();
-  const Eigen::Vector3d velocity_enu = alignment.T_enu_map().rotation * (T_map_odom.rotation * fix.velocity_odom_mps);
-  latency_.add(innovation.head<2>(), velocity_enu.head<2>(), pair.sigma_m.x());
+  time_by(fix, innovation.head<2>(), alignment.T_enu_map().rotation * T_map_odom.rotation);
+}
+
+/// What an accepted fix says of its own age.
+void GnssAlignment::time_by(const TiedFix& fix, const Eigen::Vector2d& innovation_m, const Eigen::Quaterniond& R_enu_odom) {
+  const Eigen::Vector2d velocity = (R_enu_odom * fix.velocity_odom_mps).head<2>();
+  const double sigma_m = fix.position.sigma_m.x();
+  latency_.add_position(innovation_m, velocity, share_of(fix) / (sigma_m * sigma_m));
+  if (!fix.velocity_enu_mps) return;
+  const Eigen::Vector2d innovation_mps = *fix.velocity_enu_mps - velocity;
+  if (innovation_mps.norm() > kMaxVelocityInnovation_mps) return;
+  const double weight = std::min(1.0, fix.since_last_s) / (config_.velocity_sigma_mps * config_.velocity_sigma_mps);
+  latency_.add_velocity(innovation_mps, (R_enu_odom * fix.acceleration_odom_mps2).head<2>(), weight);
 }
 
 /// Do means over stretches longer than the receiver's errors last differ from a rigid track by more than these errors?

@@ -19,7 +19,9 @@ struct GnssAlignmentConfig {
   double max_chi2_horizontal = 13.82; // 2 degrees of freedom, 99.9 %
   double max_chi2_vertical = 10.83;   // 1 degree of freedom, 99.9 %: else the height alone is left out
   double position_period_s = 5.0;     // at most one position in the graph for so long
-  std::uint32_t refit_every = 10;     // fixes
+  std::uint32_t refit_every = 10;     // fixes, at least
+  double refit_growth = 0.02;         // and the fixes have grown by this share
+  double velocity_sigma_mps = 0.2;    // of the receiver's velocity, an axis; taken as independent once a second
   bool estimate_latency = true;
 };
 
@@ -39,9 +41,8 @@ class GnssAlignment final : public PositionSource {
 
   /// One a fix, in order of arrival.
   std::span<const FixReport> reports() const override { return reports_; }
-  /// On top of the latency that the driver took off already.
-  GnssLatency latency() const;
-  GnssTrust trust(HostTime now) const { return latch_.trust(now); }
+  GnssLatency latency() const override;
+  GnssTrust trust(HostTime now) const override { return latch_.trust(now); }
 
  private:
   struct Pending {
@@ -52,10 +53,13 @@ class GnssAlignment final : public PositionSource {
   bool is_usable(const GnssFix& fix, FixReport& report) const;
   void tie_pending();
   void tie_anew();
+  EnuPair pair_of(const TiedFix& fix, const GraphView& view) const;
   std::vector<EnuPair> pairs(const GraphView& view) const;
   void refit(const GraphView& view);
   void judge(const GraphView& view, const EnuAlignment& alignment, TiedFix& fix);
   void judge_from(const GraphView& view, std::size_t first);
+  void time_by(const TiedFix& fix, const Eigen::Vector2d& innovation_m, const Eigen::Quaterniond& R_enu_odom);
+  double share_of(const TiedFix& fix) const;
   bool contradicts_track(const GraphView& view) const;
   void choose_positions();
 

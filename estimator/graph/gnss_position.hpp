@@ -6,6 +6,8 @@
 #include <optional>
 #include <span>
 
+#include "estimator/graph/gnss_latency.hpp"
+#include "estimator/graph/gnss_trust.hpp"
 #include "estimator/graph/graph_solution.hpp"
 #include "estimator/graph/loop_closure.hpp"
 #include "estimator/types/gnss_fix.hpp"
@@ -61,6 +63,10 @@ class PositionSource {
   virtual EnuOrigin origin() const = 0;
   /// After each solve: robust weight of each of positions(), in their order, 0..1.
   virtual void weigh(std::span<const double> weights) = 0;
+  /// Estimated on the way, on top of the latency that the driver took off already.
+  virtual GnssLatency latency() const = 0;
+  /// now  the newest host time known
+  virtual GnssTrust trust(HostTime now) const = 0;
   /// One a fix, in order of arrival, with its verdict.
   virtual std::span<const FixReport> reports() const = 0;
 };

@@ -1,12 +1,16 @@
 #include "estimator/graph/gnss_track.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace slamd {
 
 namespace {
 
 constexpr double kMaxKnotGap_s = 1.0;        // between two keyframes; a vehicle may stop and go in more
+constexpr double kSlow_mps = 1.0;            // below, the course is noise
+constexpr double kStep_s = 0.02;             // of the numerical derivative
 constexpr double kUnknownHeight_m = 1.0e4;   // sigma of a height that the receiver did not give
 
 /// Cubic Hermite: position at share s of a span of dt seconds.
@@ -16,6 +20,12 @@ Eigen::Vector3d hermite(const Eigen::Vector3d& p0, const Eigen::Vector3d& v0, co
   const double s3 = s2 * s;
   return (2.0 * s3 - 3.0 * s2 + 1.0) * p0 + (s3 - 2.0 * s2 + s) * dt * v0 + (3.0 * s2 - 2.0 * s3) * p1 +
          (s3 - s2) * dt * v1;
+}
+
+std::optional<Eigen::Vector2d> velocity_of(const GnssFix& fix) {
+  if (!fix.velocity_valid || !(fix.speed_mps > kSlow_mps) || !std::isfinite(fix.course_deg)) return std::nullopt;
+  const double course_rad = fix.course_deg * std::numbers::pi / 180.0;
+  return fix.speed_mps * Eigen::Vector2d{std::sin(course_rad), std::cos(course_rad)};
 }
 
 }  // namespace
@@ -49,7 +59,13 @@ std::optional<TiedFix> GnssTrack::tie(const GnssFix& fix, HostTime time, const E
   if (!T_keyframe_fix) return std::nullopt;
   TiedFix tied;
   tied.time = time;
-  tied.velocity_odom_mps = 0.5 * (knots_[*keyframe].velocity_mps + knots_[*keyframe + 1].velocity_mps);
+  const Knot& a = knots_[*keyframe];
+  const Knot& b = knots_[*keyframe + 1];
+  const Eigen::Vector3d before = *T_keyframe_base(*keyframe, time - from_seconds(kStep_s)) * p_base_antenna_;
+  const Eigen::Vector3d after = *T_keyframe_base(*keyframe, time + from_seconds(kStep_s)) * p_base_antenna_;
+  tied.velocity_odom_mps = a.T_odom_base.rotation * (after - before) / (2.0 * kStep_s);
+  tied.acceleration_odom_mps2 = (b.velocity_mps - a.velocity_mps) / to_seconds(b.time - a.time);
+  tied.velocity_enu_mps = velocity_of(fix);
   tied.position.keyframe = *keyframe;
   tied.position.p_keyframe_antenna = *T_keyframe_fix * p_base_antenna_;
   tied.position.p_enu = p_enu;

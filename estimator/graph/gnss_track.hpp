@@ -16,7 +16,10 @@ namespace slamd {
 struct TiedFix {
   std::size_t report = 0;    // index of its FixReport
   GnssPosition position;     // sigma_m as the driver said
-  Eigen::Vector3d velocity_odom_mps = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_odom_mps = Eigen::Vector3d::Zero();       // of the antenna
+  Eigen::Vector3d acceleration_odom_mps2 = Eigen::Vector3d::Zero();  // of the base
+  std::optional<Eigen::Vector2d> velocity_enu_mps;  // measured; where the receiver is slow it knows no course
+  double since_last_s = 0.0;                        // since the fix before
   HostTime time;
 };
 

@@ -3,19 +3,18 @@
 // get: that one is daemon/store.
 
 #include <Eigen/Core>
-#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "estimator/graph/odometry_chain.hpp"
-#include "estimator/types/point_cloud.hpp"
+#include "estimator/graph/packed_cloud.hpp"
 
 namespace slamd {
 
 struct KeyframeCloudsConfig {
-  float voxel_size_m = 0.5F;
-  float max_range_m = 60.0F;  // beyond, a VLP-16's rings are too far apart to make surfaces
+  CloudGrid grid;  // beyond its reach a VLP-16's rings are too far apart to make surfaces
+  std::size_t byte_budget = 256U * 1024 * 1024;  // beyond it the points of the oldest keyframes are forgotten
 };
 
 /// Points around one keyframe, its own and its neighbours', in the centre's level frame: origin at its base, z against
@@ -34,21 +33,22 @@ class KeyframeClouds {
   KeyframeClouds(const KeyframeCloudsConfig& config, const Eigen::Vector3d& p_base_lidar)
       : config_{config}, p_base_lidar_{p_base_lidar} {}
 
-  /// The next keyframe's points, base frame, metres: the first in each voxel is kept, 6 bytes each.
+  /// The next keyframe's points, base frame, metres: the first in each voxel is kept.
   void add(const PointCloud& points_base);
   std::size_t size() const { return clouds_.size(); }
   std::size_t bytes() const { return bytes_; }
+  /// So many of the oldest keyframes have lost their points for the budget; their sub-maps are empty.
+  std::size_t forgotten() const { return forgotten_; }
 
   /// The keyframes centre - behind .. centre + ahead, as far as they exist.
   Submap submap(const OdometryChain& chain, std::size_t centre, std::size_t behind, std::size_t ahead) const;
 
  private:
-  using PackedPoint = std::array<std::int16_t, 3>;
-
   KeyframeCloudsConfig config_;
   Eigen::Vector3d p_base_lidar_;
-  std::vector<std::vector<PackedPoint>> clouds_;
+  std::vector<std::vector<std::uint8_t>> clouds_;  // packed
   std::size_t bytes_ = 0;
+  std::size_t forgotten_ = 0;
 };
 
 /// The yaw-only part of T: same origin, z against gravity where T's parent frame has it so.

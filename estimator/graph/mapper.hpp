@@ -50,6 +50,8 @@ class Mapper {
   std::span<const LoopCandidateReport> loop_reports() const;
   /// Every fix so far; empty without GPS.
   std::span<const FixReport> fix_reports() const;
+  /// The side of GPS; null without.
+  const PositionSource* positions() const { return positions_.get(); }
   std::uint64_t rejected_keyframes() const { return rejected_; }
 
  private:

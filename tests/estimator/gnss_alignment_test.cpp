@@ -36,6 +36,8 @@ struct Drive {
   double extra_latency_s = 0.0;
   double bend_rad_m = 0.0;  // odometry's own drift of heading
   double sigma_m = 1.0;     // claimed
+  double period_s = 1.0;    // of the fixes
+  bool with_velocity = false;
   std::function<bool(double t_s, Eigen::Vector3d& p_enu, GnssFix& fix)> fault = [](double, Eigen::Vector3d&, GnssFix&) {
     return true;
   };
@@ -65,9 +67,19 @@ struct ReceiverError {
   }
 };
 
+/// Of the antenna in ENU, with the receiver's noise, as course and speed.
+void tell_velocity(double t_s, Random& random, GnssFix& fix) {
+  const Eigen::Vector3d step = T_map_base(t_s + 0.01) * kAntenna - T_map_base(t_s - 0.01) * kAntenna;
+  const Eigen::Vector3d v = exp_so3({0.0, 0.0, kYaw_rad}) * step / 0.02 + test::normal3(random, 0.1);
+  fix.velocity_valid = true;
+  fix.speed_mps = v.head<2>().norm();
+  fix.course_deg = std::atan2(v.x(), v.y()) * 180.0 / std::numbers::pi;
+}
+
 void drive(const Drive& drive, std::uint64_t seed, Outcome& outcome) {
   const LocalEnu enu{{48.0, 11.0, 500.0}};
   ReceiverError error{seed};
+  Random velocity_error{seed};
   double next_fix_s = 1.0;
   Pose T_odom_base = T_map_base(0.0);
   for (std::size_t i = 0; 1.5 * static_cast<double>(i) < kSpeed_mps * drive.seconds; ++i) {
@@ -83,7 +95,7 @@ void drive(const Drive& drive, std::uint64_t seed, Outcome& outcome) {
     outcome.chain.add(T_odom_base, keyframe.relative_covariance);
     outcome.keyframes.push_back({keyframe.state.time, T_odom_base, T_odom_base});
     outcome.alignment.add(keyframe);
-    for (; next_fix_s < t; next_fix_s += 1.0) {
+    for (; next_fix_s < t; next_fix_s += drive.period_s) {
       Eigen::Vector3d p_enu = exp_so3({0.0, 0.0, kYaw_rad}) * (T_map_base(next_fix_s - drive.extra_latency_s) * kAntenna) +
                               kShift_m + error.next();
       GnssFix fix;
@@ -92,6 +104,7 @@ void drive(const Drive& drive, std::uint64_t seed, Outcome& outcome) {
       fix.height_valid = true;
       fix.sigma_horizontal_m = drive.sigma_m;
       fix.sigma_vertical_m = 1.8 * drive.sigma_m;
+      if (drive.with_velocity) tell_velocity(next_fix_s - drive.extra_latency_s, velocity_error, fix);
       if (!drive.fault(next_fix_s, p_enu, fix)) continue;
       const GeodeticPosition position = enu.to_geodetic(p_enu);
       fix.latitude_deg = position.latitude_deg;
@@ -157,6 +170,28 @@ TEST(GnssAlignment, ExtraLatencyIsFoundWithItsSigma) {
   const GnssLatency latency = outcome.alignment.latency();
   EXPECT_NEAR(latency.correction_s, 0.4, 0.12);
   EXPECT_LT(latency.sigma_s, 0.1);
+}
+
+TEST(GnssAlignment, TheReceiversVelocityTellsTheLatencyToHundredths) {
+  double nees = 0.0;
+  constexpr int kRuns = 6;
+  for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+    Outcome outcome;
+    drive({.seconds = 300.0, .extra_latency_s = 0.12, .with_velocity = true}, seed, outcome);
+    const GnssLatency latency = outcome.alignment.latency();
+    EXPECT_NEAR(latency.correction_s, 0.12, 0.03) << seed;
+    EXPECT_LT(latency.sigma_s, 0.02) << seed;
+    nees += std::pow((latency.correction_s - 0.12) / latency.sigma_s, 2) / kRuns;
+  }
+  EXPECT_LT(nees, 2.1);
+}
+
+TEST(GnssAlignment, MoreFixesASecondDoNotMakeItSurer) {
+  Outcome slow, fast;
+  drive({}, 5, slow);
+  drive({.period_s = 0.2}, 5, fast);
+  const double slow_sigma = std::sqrt(slow.alignment.initial_alignment()->covariance(3, 3));
+  EXPECT_NEAR(std::sqrt(fast.alignment.initial_alignment()->covariance(3, 3)), slow_sigma, 0.1 * slow_sigma);
 }
 
 TEST(GnssAlignment, AtRestNothingIsTied) {

@@ -102,6 +102,8 @@ struct ScriptedPositions : PositionSource {
   std::span<const GnssPosition> positions() const override { return now; }
   std::optional<EnuAlignment> initial_alignment() const override { return start; }
   EnuOrigin origin() const override { return {50.0, 8.0, 100.0}; }
+  GnssLatency latency() const override { return {}; }
+  GnssTrust trust(HostTime) const override { return GnssTrust::kTrusted; }
   std::span<const FixReport> reports() const override { return {}; }
   void weigh(std::span<const double> w) override { weights.assign(w.begin(), w.end()); }
 };

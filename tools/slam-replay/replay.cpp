@@ -96,6 +96,7 @@ void Replay::finish_map() {
   const std::shared_ptr<const GraphSolution> before = mapper_.solution();
   if (mapper_.finish()) correct_map(*mapper_.solution(), *before, map_);
   report_.solution = mapper_.solution();
+  if (mapper_.positions() != nullptr) report_.latency = mapper_.positions()->latency();
 }
 
 }  // namespace slamd::replay

@@ -110,6 +110,18 @@ Json back_end(const GraphSolution& solution) {
           {"objective", solution.objective}, {"iterations", solution.iterations}, {"converged", solution.converged}};
 }
 
+/// yaw_sigma_rad and latency_sigma_s are the back end's own; latency_correction_s comes on top of gnss.latency_s.
+Json gps(const EnuAlignment& enu, const GnssLatency& latency) {
+  const Eigen::Vector3d& t = enu.translation;
+  const Eigen::Vector4d sigma = enu.covariance.diagonal().cwiseSqrt();
+  return {{"yaw_rad", enu.yaw_rad},
+          {"yaw_sigma_rad", sigma[3]},
+          {"translation_m", {t.x(), t.y(), t.z()}},
+          {"translation_sigma_m", {sigma[0], sigma[1], sigma[2]}},
+          {"latency_correction_s", latency.correction_s},
+          {"latency_sigma_s", latency.sigma_s}};
+}
+
 Json origin(const EnuOrigin& enu) {
   return {{"lat_deg", enu.latitude_deg}, {"lon_deg", enu.longitude_deg}, {"ellipsoid_height_m", enu.ellipsoid_height_m}};
 }
@@ -140,6 +152,7 @@ std::string to_json(const Report& report, const StageTimes& times, const Drive& 
                         {"attitude_rad", {std::sqrt(p(3, 3)), std::sqrt(p(4, 4)), std::sqrt(p(5, 5))}}};
   if (report.solution != nullptr) out["back_end"] = back_end(*report.solution);
   if (report.solution != nullptr && report.solution->enu_valid) out["enu_origin"] = origin(report.solution->enu_origin);
+  if (out.contains("enu_origin")) out["gps"] = gps(report.solution->enu, report.latency);
   return out.dump(1) + "\n";
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "daemon/health/histogram.hpp"
+#include "estimator/graph/gnss_latency.hpp"
 #include "estimator/graph/graph_solution.hpp"
 #include "estimator/odometry/lidar_inertial_odometry.hpp"
 #include "estimator/types/stage.hpp"
@@ -53,6 +54,7 @@ struct Report {
   std::vector<StatusChange> status;
   NavState last;
   std::shared_ptr<const GraphSolution> solution;  // the last one; null without the back end
+  GnssLatency latency;
 };
 
 /// report.json as text; see README.md for the keys.
