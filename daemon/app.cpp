@@ -1,5 +1,6 @@
 #include "daemon/app.hpp"
 
+#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -145,8 +146,7 @@ void App::register_probes() {
   health_.add_count("late_events", [this] { return estimator_.late_events(); });
   health_.add_count("keyframes", [this] { return estimator_.keyframes(); });
   health_.add_count("gnss_fixes", [this] { return mapping_.fixes(); });
-  health_.add_count("map_solves", [this] { return mapping_.solves(); });
-  health_.add_count("closures", [this] { return mapping_.closures(); });
+  health_.add_object("back_end", [this] { return to_json(mapping_.state()); });
   health_.add_count("log_lines_lost", [this] { return log_.lost(); });
   supervisor_.watch_pose([this] { return publisher_.newest(); });
 }

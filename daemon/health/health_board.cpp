@@ -58,6 +58,10 @@ void HealthBoard::add_count(std::string name, CountProbe probe) {
   counts_.emplace_back(std::move(name), std::move(probe));
 }
 
+void HealthBoard::add_object(std::string name, ObjectProbe probe) {
+  objects_.emplace_back(std::move(name), std::move(probe));
+}
+
 void HealthBoard::sample(HostTime now) {
   const double elapsed_s = to_seconds(now - (sampled_ == HostTime{} ? start_ : sampled_));
   if (elapsed_s <= 0.0) return;
@@ -83,6 +87,7 @@ json HealthBoard::to_json(HostTime now) const {
   for (const auto& [name, probe] : rings_) object["rings"][name] = ring_json(probe());
   for (const auto& [name, histogram] : stages_) object["stages_ms"][name] = stage_json(histogram->percentiles());
   for (const auto& [name, probe] : counts_) object["counts"][name] = probe();
+  for (const auto& [name, probe] : objects_) object[name] = probe();
   return object;
 }
 

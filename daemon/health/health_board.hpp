@@ -44,6 +44,7 @@ class HealthBoard {
   using SourceProbe = std::function<SourceHealth()>;
   using RingProbe = std::function<RingCounts()>;
   using CountProbe = std::function<std::uint64_t()>;
+  using ObjectProbe = std::function<nlohmann::json()>;
 
   explicit HealthBoard(HostTime start) : start_{start} {}
 
@@ -53,6 +54,8 @@ class HealthBoard {
   void add_ring(std::string name, RingProbe probe);
   void add_stage(std::string name, const Histogram& histogram);  // in status as milliseconds: "scan", "imu_to_page"
   void add_count(std::string name, CountProbe probe);            // any further total: "scans", "keyframes"
+
+  void add_object(std::string name, ObjectProbe probe);        // whatever else a part says of itself
 
   /// Server's thread, about once a second: takes the counts that rates are made of.
   void sample(HostTime now);
@@ -77,6 +80,7 @@ class HealthBoard {
   std::vector<std::pair<std::string, RingProbe>> rings_;
   std::vector<std::pair<std::string, const Histogram*>> stages_;
   std::vector<std::pair<std::string, CountProbe>> counts_;
+  std::vector<std::pair<std::string, ObjectProbe>> objects_;
 };
 
 }  // namespace slamd

@@ -16,6 +16,7 @@ void MappingThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     drain();
     solve(stop);
+    tell_state();
     pause_for(kPollPeriod);
   }
   drain();
@@ -47,8 +48,12 @@ void MappingThread::solve(const std::stop_token& stop) {
   const std::shared_ptr<const GraphSolution> solution = mapper_.solution();
   correct_map(*solution, *before, map_);
   streams_.T_map_odom.store(solution->T_map_odom);
-  closures_.store(solution->closures, std::memory_order_relaxed);
-  solves_.fetch_add(1, std::memory_order_relaxed);
+}
+
+void MappingThread::tell_state() {
+  BackEndState state = state_of(mapper_, host_now());
+  const std::lock_guard lock{state_mutex_};
+  state_ = std::move(state);
 }
 
 }  // namespace slamd

@@ -4,11 +4,13 @@
 
 #include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <stop_token>
 #include <utility>
 
 #include "daemon/store/map_store.hpp"
 #include "daemon/store/trajectory_store.hpp"
+#include "daemon/threads/back_end_state.hpp"
 #include "daemon/threads/streams.hpp"
 #include "estimator/graph/mapper.hpp"
 
@@ -25,20 +27,25 @@ class MappingThread {
 
   /// Any thread. Fixes that carried a position.
   std::uint64_t fixes() const { return fixes_.load(std::memory_order_relaxed); }
-  /// Any thread. Solves of the graph that moved the map, and closures in the newest one.
-  std::uint64_t solves() const { return solves_.load(std::memory_order_relaxed); }
-  std::uint64_t closures() const { return closures_.load(std::memory_order_relaxed); }
+  /// Any thread.
+  BackEndState state() const {
+    const std::lock_guard lock{state_mutex_};
+    return state_;
+  }
 
  private:
   void drain();
   void take(const Keyframe& keyframe);
   void solve(const std::stop_token& stop);
+  void tell_state();
 
   Mapper mapper_;
   Streams& streams_;
   MapStore& map_;
   TrajectoryStore& trajectory_;
-  std::atomic<std::uint64_t> fixes_{0}, solves_{0}, closures_{0};
+  std::atomic<std::uint64_t> fixes_{0};
+  mutable std::mutex state_mutex_;
+  BackEndState state_;
 };
 
 }  // namespace slamd

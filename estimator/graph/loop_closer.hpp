@@ -43,6 +43,7 @@ class LoopCloser final : public LoopSource {
   std::span<const LoopClosure> closures() const override { return closures_; }
   void weigh(std::span<const double> weights) override;
   std::span<const LoopCandidateReport> reports() const override { return reports_; }
+  std::size_t forgotten() const override { return clouds_.forgotten(); }
 
   /// Looks at one pair whatever the search would say of it, and takes the closure in when every stage agrees. For tests
   /// that put wrong candidates in. Returns its verdict.

@@ -70,6 +70,8 @@ class LoopSource {
   /// After each solve: robust weight of each of closures(), in their order, 0 = contradicted by the rest, 1 = fits. The
   /// source decides what to retract; it is gone from closures() after the next update().
   virtual void weigh(std::span<const double> weights) = 0;
+  /// So many of the oldest keyframes no loop can be closed with any more.
+  virtual std::size_t forgotten() const { return 0; }
   /// One a candidate, in order of `to`, with its newest verdict.
   virtual std::span<const LoopCandidateReport> reports() const = 0;
 };

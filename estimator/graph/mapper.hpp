@@ -50,6 +50,8 @@ class Mapper {
   std::span<const LoopCandidateReport> loop_reports() const;
   /// Every fix so far; empty without GPS.
   std::span<const FixReport> fix_reports() const;
+  /// Keyframes that no loop can be closed with any more: their points were forgotten for the byte budget.
+  std::size_t forgotten_clouds() const { return loops_ ? loops_->forgotten() : 0; }
   /// The side of GPS; null without.
   const PositionSource* positions() const { return positions_.get(); }
   std::uint64_t rejected_keyframes() const { return rejected_; }

@@ -1,0 +1,30 @@
+#pragma once
+// What get_status says of the back end: the newest solution, and what it thinks of GPS. Moves nothing.
+
+#include <cstddef>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+
+#include "estimator/graph/mapper.hpp"
+
+namespace slamd {
+
+/// What the back end thinks of GPS.
+struct GnssState {
+  GnssTrust trust = GnssTrust::kAbsent;
+  GnssLatency latency;  // on top of gnss.latency_s
+};
+
+struct BackEndState {
+  std::shared_ptr<const GraphSolution> solution = std::make_shared<GraphSolution>();  // never null
+  std::optional<GnssState> gnss;    // none: the back end does not use GPS
+  std::size_t forgotten_clouds = 0; // keyframes that no loop can be closed with any more
+};
+
+/// Mapping thread. now  host time.
+BackEndState state_of(const Mapper& mapper, HostTime now);
+
+nlohmann::json to_json(const BackEndState& state);
+
+}  // namespace slamd
