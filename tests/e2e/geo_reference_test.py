@@ -34,10 +34,10 @@ class GeoReference(EndToEndTest):
         return self.client.status()["health"]["back_end"]
 
     def await_aligned(self):
-        """The state of the back end once the map has its place on the earth and was solved for after that."""
+        """The state of the back end once the map has its place on the earth."""
         def aligned():
             state = self.back_end()
-            return state if state["enu"] and state["changes"] >= 2 else None
+            return state if state["enu"] and state["changes"] >= 1 else None
 
         return self.await_value("the place of the map on the earth", aligned, 90.0)
 
