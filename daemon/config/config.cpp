@@ -38,6 +38,7 @@ Loaded<Config> load_config(const std::string& path, const std::vector<std::strin
   if (!path.empty()) append(loaded.faults, read_yaml_file(path, fields));
   for (const std::string& assignment : overrides) append(loaded.faults, read_override(assignment, fields));
   if (loaded.faults.empty()) loaded.faults = contradictions(path.empty() ? "(configuration)" : path, loaded.value);
+  loaded.value.back_end.loops.local_map_reach_m = loaded.value.odometry.fusion.registration.map.max_distance_m;
   return loaded;
 }
 

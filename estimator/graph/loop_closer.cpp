@@ -86,7 +86,7 @@ std::vector<LoopCloser::Candidate> LoopCloser::near_candidates(const GraphView& 
   }
   if (nearest == to) return {};
   const double drift_sigma_m = horizontal_sigma_m(view.odometry.relative_covariance(nearest, to));
-  if (drift_sigma_m < config_.min_drift_sigma_m) return {};
+  if (drift_sigma_m < config_.max_held_sigma_m && is_held_by_odometry(view, nearest, to)) return {};
   radius_m += kSigmas * drift_sigma_m;
   if (radius_m > 2.0 * config_.radius_m) return look_alikes(view, to, radius_m);
   if (nearest_m > radius_m) return {};
@@ -131,6 +131,16 @@ std::vector<LoopCloser::Candidate> LoopCloser::look_alikes(const GraphView& view
 bool LoopCloser::is_loop(const GraphView& view, std::size_t from, std::size_t to) const {
   const double straight_m = (view.odometry.T_odom_base(from).translation - view.odometry.T_odom_base(to).translation).norm();
   return driven_m_[to] - driven_m_[from] > 3.0 * straight_m + config_.min_detour_m;
+}
+
+/// The odometry's own map has not forgotten the place in between.
+bool LoopCloser::is_held_by_odometry(const GraphView& view, std::size_t from, std::size_t to) const {
+  const Eigen::Vector3d& p_odom = view.odometry.T_odom_base(from).translation;
+  for (std::size_t i = from + 1; i < to; ++i) {
+    const Eigen::Vector3d away = view.odometry.T_odom_base(i).translation - p_odom;
+    if (away.cwiseAbs().maxCoeff() > config_.local_map_reach_m) return false;
+  }
+  return true;
 }
 
 LoopCloser::Candidate LoopCloser::candidate(const GraphView& view, std::size_t from, std::size_t to) const {

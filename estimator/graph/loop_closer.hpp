@@ -19,7 +19,10 @@ struct LoopCloserConfig {
   double radius_m = 20.0;                 // grows with the uncertainty of the pose
   std::uint32_t min_keyframes_back = 8;
   double min_detour_m = 20.0;             // driven in between, beyond three times the straight way: else it is no loop
-  double min_drift_sigma_m = 0.025;       // odometry surer than this across the loop has nothing to gain from a closure
+  // Half the cube of the odometry's own map (set by the configuration from PlaneMapConfig::max_distance_m): a place that never
+  // left it is still in that map, and the odometry has closed the loop itself, unless it lost its way by more than this sigma.
+  double local_map_reach_m = 110.0;
+  double max_held_sigma_m = 0.2;
   std::uint32_t search_every = 4;         // keyframes
   std::uint32_t keyframes_ahead = 4;      // that a place waits for, so that its sub-map is round
   std::uint32_t keyframes_behind = 8;
@@ -71,6 +74,7 @@ class LoopCloser final : public LoopSource {
   std::vector<Candidate> near_candidates(const GraphView& view, std::size_t to) const;
   std::vector<Candidate> look_alikes(const GraphView& view, std::size_t to, double radius_m) const;
   bool is_loop(const GraphView& view, std::size_t from, std::size_t to) const;
+  bool is_held_by_odometry(const GraphView& view, std::size_t from, std::size_t to) const;
   Candidate candidate(const GraphView& view, std::size_t from, std::size_t to) const;
   LoopStage verify(const GraphView& view, Candidate& candidate);
   bool guess(const Submap& target, const Submap& source, Candidate& candidate) const;

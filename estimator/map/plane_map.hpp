@@ -19,7 +19,7 @@ struct Neighbourhood {
 struct PlaneMapConfig {
   float voxel_size_m = 0.6F;
   std::uint32_t max_voxels = 450'000;
-  float max_distance_m = 500.0F;     // half the cube that is kept around the vehicle; less when the map is nearly full
+  float max_distance_m = 110.0F;     // half the cube that is kept around the vehicle (the LiDAR's reach); less when nearly full
   float min_distance_m = 80.0F;
   float viewpoint_distance_m = 0.3F;
   Neighbourhood near{5, 1.4F};

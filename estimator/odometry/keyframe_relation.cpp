@@ -28,7 +28,8 @@ void KeyframeRelation::carry(const Pose& T_odom_a, const Pose& T_odom_b, const M
 Matrix6d KeyframeRelation::covariance(const FilterSnapshot& filter) const {
   const Matrix6d J_base_imu = adjoint(T_base_imu_);  // e with T * Exp(e) for base from the same for the IMU
   const Matrix6d J_base_odom = odom_to_base(filter, T_base_imu_);
-  return J_base_imu * motion_covariance(filter) * J_base_imu.transpose() + J_base_odom * walk_ * J_base_odom.transpose();
+  const Matrix6d step = J_base_imu * motion_covariance(filter) * J_base_imu.transpose();
+  return lasting_part(config_, step) + J_base_odom * walk_ * J_base_odom.transpose();
 }
 
 void KeyframeRelation::keep_before_new_map(FilterSnapshot& filter) {

@@ -1,5 +1,6 @@
 #include "estimator/odometry/map_drift.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 namespace slamd {
@@ -28,6 +29,16 @@ Matrix6d skew_drift(const MapDriftConfig& config, const FilterSnapshot& filter) 
   Matrix6d drift = Matrix6d::Zero();
   drift.diagonal() << Eigen::Vector3d::Constant(displaced), Eigen::Vector3d::Constant(turned);
   return drift;
+}
+
+Matrix6d lasting_part(const MapDriftConfig& config, const Matrix6d& step) {
+  Eigen::Matrix<double, 6, 1> held;
+  held << Eigen::Vector3d::Constant(config.held_position_m), Eigen::Vector3d::Constant(config.held_attitude_rad);
+  const Matrix6d in_sigmas = held.cwiseInverse().asDiagonal() * step * held.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver{in_sigmas};
+  const Eigen::Matrix<double, 6, 1> beyond = (solver.eigenvalues().array() - 1.0).cwiseMax(0.0);
+  const Matrix6d lasting = solver.eigenvectors() * beyond.asDiagonal() * solver.eigenvectors().transpose();
+  return held.asDiagonal() * lasting * held.asDiagonal();
 }
 
 Matrix6d carry_drift(const MapDriftConfig& config, const Matrix6d& drift, const Pose& T_odom_a, const Pose& T_odom_b,

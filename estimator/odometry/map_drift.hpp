@@ -16,6 +16,9 @@ struct MapDriftConfig {
   double first_tilt_rad = 4.0e-4;        // roll and pitch of a map begun at one place
   double first_heading_rad = 1.0e-4;
   double first_position_m = 2.0e-3;
+  // Of a pose in its map where scans hold it. Noise up to this returns to the map with the next scan, beyond it adds up.
+  double held_position_m = 3.0e-3;
+  double held_attitude_rad = 3.0e-4;
   // Of a map begun while moving: its first scans are displaced and turned by what is wrong with the velocity.
   double moving_velocity_share = 0.02;   // scans alone tell a velocity to so much of itself
   double moving_skew_s = 0.3;            // and the map takes in the error for so long
@@ -28,6 +31,10 @@ Matrix6d first_drift(const MapDriftConfig& config);
 /// What a map has beyond that when it was begun by a moving filter: its first scans are skewed by the errors of velocity and
 /// rate. Rows as NavState::covariance.
 Matrix6d skew_drift(const MapDriftConfig& config, const FilterSnapshot& filter);
+
+/// What a step of the filter adds to the drift: its covariance (any frame) less the noise that does not add up, along each
+/// direction by itself; zero where scans held the pose.
+Matrix6d lasting_part(const MapDriftConfig& config, const Matrix6d& step);
 
 /// Carries the drift over a move of base from T_odom_a to T_odom_b: an error of attitude at `a` displaces `b`, and what the
 /// map took in on the way adds its own.

@@ -18,6 +18,9 @@ FilterSnapshot random_filter(Random& random) {
   return filter;
 }
 
+/// Everything that the filter says adds up.
+constexpr MapDriftConfig kNothingHeld{.held_position_m = 1e-9, .held_attitude_rad = 1e-9};
+
 Pose base_of(const InertialState& state, const Pose& T_base_imu) { return state.T_odom_imu() * T_base_imu.inverse(); }
 
 TEST(KeyframeRelation, TheFirstKeyframeHasNone) {
@@ -40,7 +43,7 @@ TEST(KeyframeRelation, IsTheCovarianceOfTheBasesMotion) {
   Random random{3};
   const Pose T_base_imu = test::random_pose(random);
   FilterSnapshot filter = random_filter(random);
-  KeyframeRelation relation{MapDriftConfig{}, T_base_imu};
+  KeyframeRelation relation{kNothingHeld, T_base_imu};
   relation.take(filter);
   const InertialState before = filter.state;
   filter.state = boxplus(filter.state, test::random_error(random, 0.5));
@@ -62,6 +65,26 @@ TEST(KeyframeRelation, IsTheCovarianceOfTheBasesMotion) {
   const Matrix6d expected =
       J.leftCols<6>() * p * J.leftCols<6>().transpose() + J.rightCols<6>() * p * J.rightCols<6>().transpose();
   EXPECT_LT((relation.take(filter) - expected).norm(), 1e-7 * expected.norm());
+}
+
+TEST(KeyframeRelation, NoiseAboutAMapThatHoldsThePoseDoesNotAddUp) {
+  KeyframeRelation relation{MapDriftConfig{}, Pose{}};
+  FilterSnapshot filter;
+  filter.covariance.diagonal().head<3>().setConstant(1e-4 * 1e-4);  // rad^2
+  filter.covariance.diagonal().segment<3>(I::kPosition).setConstant(1e-3 * 1e-3);
+  relation.take(filter);
+  filter.clone.cross.setZero();
+  EXPECT_LT(relation.take(filter).norm(), 1e-15);
+}
+
+TEST(KeyframeRelation, WhatNoScanHoldsAddsUpAlongThatDirectionAlone) {
+  KeyframeRelation relation{MapDriftConfig{}, Pose{}};
+  FilterSnapshot filter;
+  relation.take(filter);
+  filter.covariance.diagonal().segment<3>(I::kPosition) << 1.0, 1e-6, 1e-6;
+  const Matrix6d covariance = relation.take(filter);
+  EXPECT_NEAR(covariance(0, 0), 1.0, 1e-4);
+  EXPECT_LT(covariance(1, 1) + covariance(2, 2), 1e-12);
 }
 
 TEST(KeyframeRelation, TheMapsWalkIsToldInTheKeyframesOwnFrame) {

@@ -56,8 +56,15 @@ struct Lap {
   }
 };
 
-LoopCloser run(const Lap& lap) {
-  LoopCloser closer{{}, test::kLidarInBase};
+/// The odometry of these tests has no map: it holds no place.
+LoopCloserConfig nothing_held() {
+  LoopCloserConfig config;
+  config.local_map_reach_m = 1.0;
+  return config;
+}
+
+LoopCloser run(const Lap& lap, const LoopCloserConfig& config = nothing_held()) {
+  LoopCloser closer{config, test::kLidarInBase};
   for (const Keyframe& keyframe : lap.keyframes) closer.add(keyframe);
   closer.update(lap.view());
   return closer;
@@ -71,6 +78,20 @@ TEST(LoopCloser, ClosesTheLapWithinCentimetres) {
     EXPECT_LT(lap.error_m(closure), 0.06) << closure.from << " " << closure.to;
     EXPECT_GE(closure.to, closure.from + 8);
   }
+}
+
+TEST(LoopCloser, LeavesAPlaceThatTheOdometryStillHoldsToTheOdometry) {
+  LoopCloserConfig config;
+  config.local_map_reach_m = 1.5 * 2.0 * kRadius_m;
+  EXPECT_TRUE(run(Lap{1}, config).reports().empty());
+  config.local_map_reach_m = 0.8 * 2.0 * kRadius_m;
+  EXPECT_GT(run(Lap{1}, config).closures().size(), 5U);
+}
+
+TEST(LoopCloser, ClosesEvenThereWhenTheOdometryLostItsWay) {
+  LoopCloserConfig config;
+  config.local_map_reach_m = 1.5 * 2.0 * kRadius_m;
+  EXPECT_GT(run(Lap{2, 3.0}, config).closures().size(), 3U);
 }
 
 TEST(LoopCloser, FindsTheLoopByItsLooksAfterAJumpOfFiftyMetres) {
@@ -100,7 +121,7 @@ TEST(LoopCloser, EveryWrongCandidateIsRefusedWithItsStage) {
 TEST(LoopCloser, NoLoopOnTheFirstLap) {
   Lap lap{4};
   lap.keyframes.resize(100);  // 200 of 251 m
-  LoopCloser closer{{}, test::kLidarInBase};
+  LoopCloser closer{nothing_held(), test::kLidarInBase};
   for (const Keyframe& keyframe : lap.keyframes) closer.add(keyframe);
   EXPECT_FALSE(closer.update(lap.view()));
   EXPECT_TRUE(closer.closures().empty());
@@ -124,7 +145,7 @@ TEST(LoopCloser, AClosureThatTheGraphDoubtsTwiceIsRetracted) {
 TEST(LoopCloser, TheSameKeyframesGiveTheSameBitsHoweverTheyArrive) {
   const Lap lap{1};
   const LoopCloser at_once = run(lap);
-  LoopCloser one_by_one{{}, test::kLidarInBase};
+  LoopCloser one_by_one{nothing_held(), test::kLidarInBase};
   OdometryChain chain;
   std::vector<KeyframeEstimate> estimates;
   for (std::size_t i = 0; i < lap.keyframes.size(); ++i) {

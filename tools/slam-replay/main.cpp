@@ -73,7 +73,7 @@ int run(const Options& options) {
   back_end.use_loops = back_end.use_loops && !options.no_loops;
   replay::Replay replay{config.value.vehicle, config.value.odometry, config.value.map,
                         make_mapper(back_end, config.value.vehicle)};
-  Progress progress{"replay", 1.0, options.quiet};
+  Progress progress{"replay", 1.0, options.quiet, ""};
   replay.run(drive, output, progress, !options.no_map);
   replay::Report report = replay.report();
   const bool written = output.finish() && (options.no_map || replay::write_back_end(replay, options.out)) &&

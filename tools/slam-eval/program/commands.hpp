@@ -28,9 +28,10 @@ struct CommonOptions {
   std::string plot_path;
 };
 
-/// Adds `ape`, `rpe` and `picture` to the program; parsing runs the chosen one. Their callbacks throw InputError.
+/// Adds `ape`, `rpe`, `picture` and `tables` to the program; parsing runs the chosen one. Their callbacks throw InputError.
 void add_ape(CLI::App& app);
 void add_rpe(CLI::App& app);
 void add_picture(CLI::App& app);
+void add_tables(CLI::App& app);
 
 }  // namespace slamd::eval

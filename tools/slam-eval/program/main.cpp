@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
   slamd::eval::add_ape(app);
   slamd::eval::add_rpe(app);
   slamd::eval::add_picture(app);
+  slamd::eval::add_tables(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

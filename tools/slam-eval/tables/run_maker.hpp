@@ -1,0 +1,31 @@
+#pragma once
+// Makes runs: a drive by slam-sim (kept and used again), each configuration by slam-replay, errors by this library.
+
+#include <filesystem>
+#include <vector>
+
+#include "tools/progress/progress.hpp"
+#include "tools/slam-eval/tables/run_table.hpp"
+
+namespace slamd::eval {
+
+struct RunMakerOptions {
+  std::string slam_sim;            // paths
+  std::string slam_replay;
+  std::string config;              // of slam-replay; empty = its defaults
+  std::filesystem::path work;      // WORK/drives/DRIVE (kept), WORK/runs/DRIVE/CONFIGURATION (overwritten)
+  int jobs = 1;                    // drives at a time
+};
+
+/// Where the trajectory of a run is.
+std::filesystem::path trajectory_path(const RunMakerOptions& options, const DriveName& drive,
+                                      const Configuration& configuration);
+/// Where the truth of a drive is.
+std::filesystem::path truth_path(const RunMakerOptions& options, const DriveName& drive);
+
+/// Every drive in every configuration, in that order. Progress counts runs, a drive that is to be made for one. Throws
+/// InputError when a program fails; runs under way are ended first.
+std::vector<Run> make_runs(const RunMakerOptions& options, const std::vector<DriveName>& drives,
+                           const std::vector<Configuration>& configurations, Progress& progress);
+
+}  // namespace slamd::eval

@@ -1,0 +1,66 @@
+#pragma once
+// Runs of the estimator with their errors, and what many runs of one kind come to. Starts no program, writes no file.
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tools/slam-eval/metrics.hpp"
+
+namespace slamd::eval {
+
+/// A way to run slam-replay, and which of its trajectories counts.
+struct Configuration {
+  std::string name;                         // of its folder and in JSON
+  std::string label;                        // in tables
+  std::vector<std::string> replay_options;
+  std::string trajectory;                   // file of slam-replay
+};
+
+/// A simulated drive.
+struct DriveName {
+  std::string scenario;
+  std::uint64_t seed = 1;
+  double length_m = 0.0;  // 0 = the scenario's whole course
+
+  /// "campus-1", "campus-1-100m": its folder.
+  std::string text() const;
+};
+
+struct Run {
+  DriveName drive;
+  std::string configuration;  // Configuration::name
+  double driven_m = 0.0;      // along the truth
+  std::uint64_t closures = 0; // in the last solution
+  Statistics ape{};           // metres, SE(3)-aligned
+  Statistics rpe{};           // metres over 1 m
+};
+
+struct Spread {
+  double least = 0.0;
+  double median = 0.0;
+  double most = 0.0;
+};
+
+/// All zero for an empty list.
+Spread spread(std::vector<double> values);
+
+/// The runs of one scenario in one configuration. The ratios are run by run to the same drive in the first configuration.
+struct Summary {
+  std::string scenario;
+  std::string configuration;
+  std::size_t runs = 0;
+  double driven_m = 0.0;  // mean
+  Spread ape_m{};         // RMSE of each run
+  Spread rpe_m{};
+  Spread ape_ratio{};
+  Spread rpe_ratio{};
+  Spread closures{};
+};
+
+/// One a scenario and configuration, scenarios in order of appearance. A drive without a run in the first configuration
+/// has no ratio.
+std::vector<Summary> summarise(const std::vector<Run>& runs, const std::vector<Configuration>& configurations);
+
+}  // namespace slamd::eval
