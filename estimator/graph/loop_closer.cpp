@@ -116,15 +116,20 @@ std::vector<LoopCloser::Candidate> LoopCloser::look_alikes(const GraphView& view
   std::vector<Candidate> candidates;
   for (const PlaceMatch& m : matches) {
     if (candidates.size() == config_.candidates_by_appearance || m.distance > config_.max_descriptor_distance) break;
-    Candidate found = candidate(view, places_[m.place], to);
-    found.T_from_to = {.x_m = 0.0, .y_m = 0.0, .yaw_rad = m.yaw_rad};
-    found.height_m = kNoNumber;
-    found.window = kLookAlikeWindow;
-    found.report.by_appearance = true;
-    found.report.descriptor_distance = m.distance;
-    candidates.push_back(found);
+    candidates.push_back(look_alike(view, places_[m.place], to, m));
   }
   return candidates;
+}
+
+LoopCloser::Candidate LoopCloser::look_alike(const GraphView& view, std::size_t from, std::size_t to,
+                                             const PlaceMatch& match) const {
+  Candidate found = candidate(view, from, to);
+  found.T_from_to = {.x_m = 0.0, .y_m = 0.0, .yaw_rad = match.yaw_rad};
+  found.height_m = kNoNumber;
+  found.window = kLookAlikeWindow;
+  found.report.by_appearance = true;
+  found.report.descriptor_distance = match.distance;
+  return found;
 }
 
 /// The vehicle went away and came back.
@@ -164,12 +169,19 @@ LoopCloser::Candidate LoopCloser::candidate(const GraphView& view, std::size_t f
                    .free_space_share = kNoNumber,
                    .odometry_chi2 = kNoNumber,
                    .consistency_chi2 = kNoNumber,
-                   .graph_weight = kNoNumber};
+                   .graph_weight = kNoNumber,
+                   .T_from_to = T_map_from.inverse() * T_map_to};
   return result;
 }
 
-LoopStage LoopCloser::try_pair(const GraphView& view, std::uint64_t from, std::uint64_t to) {
+LoopStage LoopCloser::try_pair(const GraphView& view, std::uint64_t from, std::uint64_t to, Guess guess) {
   Candidate pair = candidate(view, from, to);
+  if (guess == Guess::kSamePlace) {
+    const auto description = [&](std::size_t place) {
+      return describe(clouds_.submap(view.odometry, place, config_.keyframes_behind, config_.keyframes_ahead));
+    };
+    pair = look_alike(view, from, to, match(description(from), description(to)));
+  }
   const LoopStage stage = verify(view, pair);
   if (stage != LoopStage::kAccepted) reports_.push_back(pair.report);
   collect();
@@ -200,6 +212,7 @@ LoopStage LoopCloser::verify(const GraphView& view, Candidate& candidate) {
       target_surfaces, choose_points(source.points, source_surfaces, config_.registration.max_points),
       spatial(candidate.T_from_to, candidate.height_m), config_.registration);
   report.fitness = match.inlier_share;
+  report.T_from_to = closure_of(target, source, match.T_target_source).T_from_to;
   if (!match.converged || match.inlier_share < config_.min_fitness) return ends(LoopStage::kRegistration);
   report.overlap = match.overlap;
   if (match.overlap < config_.min_overlap) return ends(LoopStage::kOverlap);

@@ -48,9 +48,11 @@ class LoopCloser final : public LoopSource {
   std::span<const LoopCandidateReport> reports() const override { return reports_; }
   std::size_t forgotten() const override { return clouds_.forgotten(); }
 
+  enum class Guess { kByOdometry, kSamePlace };
+
   /// Looks at one pair whatever the search would say of it, and takes the closure in when every stage agrees. For tests
-  /// that put wrong candidates in. Returns its verdict.
-  LoopStage try_pair(const GraphView& view, std::uint64_t from, std::uint64_t to);
+  /// that put wrong candidates in. kSamePlace: as if the two had been found to look alike. Returns its verdict.
+  LoopStage try_pair(const GraphView& view, std::uint64_t from, std::uint64_t to, Guess guess = Guess::kByOdometry);
 
  private:
   /// A pair of keyframes that may see the same place.
@@ -73,6 +75,7 @@ class LoopCloser final : public LoopSource {
   void look_from(const GraphView& view, std::size_t to);
   std::vector<Candidate> near_candidates(const GraphView& view, std::size_t to) const;
   std::vector<Candidate> look_alikes(const GraphView& view, std::size_t to, double radius_m) const;
+  Candidate look_alike(const GraphView& view, std::size_t from, std::size_t to, const PlaceMatch& match) const;
   bool is_loop(const GraphView& view, std::size_t from, std::size_t to) const;
   bool is_held_by_odometry(const GraphView& view, std::size_t from, std::size_t to) const;
   Candidate candidate(const GraphView& view, std::size_t from, std::size_t to) const;

@@ -49,6 +49,7 @@ struct LoopCandidateReport {
   double odometry_chi2 = 0.0;               // 6 degrees of freedom
   double consistency_chi2 = 0.0;            // worst against the closures that it agrees with
   double graph_weight = 0.0;                // robust weight after the newest solve, 0..1
+  Pose T_from_to;                           // as registered; where registration did not come to an end, as guessed
 };
 
 /// What a source may look at: all keyframes by id (as the graph believes them now) and the front end's chain.

@@ -1,5 +1,6 @@
 #include "estimator/graph/map_graph.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -18,6 +19,8 @@ constexpr double kAnchorYaw_rad = 1e-4;
 // No step of odometry is surer than that: information stays finite where the filter says zero.
 constexpr double kLeastSigma_m = 1e-4;
 constexpr double kLeastSigma_rad = 1e-5;
+// Closures no more keyframes apart than this, at both ends, share most of their sub-maps.
+constexpr std::uint64_t kNeighbours = 8;
 
 Matrix6d information_of(const Matrix6d& covariance) {
   Matrix6d floored = covariance;
@@ -26,6 +29,14 @@ Matrix6d information_of(const Matrix6d& covariance) {
   Matrix6d information = floored.llt().solve(Matrix6d::Identity());
   symmetrise(information);
   return information;
+}
+
+/// How many closures have the error of this one, itself included.
+double shared_by(std::span<const LoopClosure> closures, const LoopClosure& closure, const MapGraphConfig& config) {
+  const auto near = [&](std::uint64_t a, std::uint64_t b) { return (a > b ? a - b : b - a) <= kNeighbours; };
+  const auto count = std::ranges::count_if(
+      closures, [&](const LoopClosure& other) { return near(other.from, closure.from) && near(other.to, closure.to); });
+  return std::min(static_cast<double>(count), config.closure_correlation);
 }
 
 Matrix6d anchor_whitening() {
@@ -45,7 +56,7 @@ class MapGraph::Problem {
         variables_{graph.poses_, std::vector<bool>(graph.poses_.size(), false)} {
     add_chain(graph);
     for (const LoopClosure& closure : constraints.closures) {
-      const Matrix6d covariance = graph.config_.closure_correlation * closure.covariance;
+      const Matrix6d covariance = shared_by(constraints.closures, closure, graph.config_) * closure.covariance;
       const Edge<GroupSe3> edge{closure.from, closure.to, closure.T_from_to, information_of(covariance)};
       closures_.push_back(variables_.add(edge, RotationError::kLog, &closure_loss_));
     }

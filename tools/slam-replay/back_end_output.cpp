@@ -20,19 +20,23 @@ bool write_path(const Replay& replay, const Pose& T_a_map, const std::string& pa
 }
 
 void write_row(std::ostream& out, const LoopCandidateReport& report) {
-  std::array<char, 320> text;
-  std::snprintf(text.data(), text.size(), "%llu,%llu,%d,%d,%.3f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f\n",
+  std::array<char, 480> text;
+  const Eigen::Vector3d& t = report.T_from_to.translation;
+  const Eigen::Quaterniond& q = report.T_from_to.rotation;
+  std::snprintf(text.data(), text.size(),
+                "%llu,%llu,%d,%d,%.3f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.7f,%.7f,%.7f,%.7f\n",
                 static_cast<unsigned long long>(report.from), static_cast<unsigned long long>(report.to),
                 static_cast<int>(report.ended_at), report.by_appearance ? 1 : 0, report.distance_m,
                 report.descriptor_distance, report.fitness, report.overlap, report.free_space_share,
-                report.odometry_chi2, report.consistency_chi2, report.graph_weight);
+                report.odometry_chi2, report.consistency_chi2, report.graph_weight, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(),
+                q.w());
   out << text.data();
 }
 
 bool write_closures(const Replay& replay, const std::string& path) {
   std::ofstream out{path};
   out << "from,to,ended_at,by_appearance,distance_m,descriptor_distance,fitness,overlap,free_space_share,odometry_chi2,"
-         "consistency_chi2,graph_weight\n";
+         "consistency_chi2,graph_weight,x_m,y_m,z_m,qx,qy,qz,qw\n";
   for (const LoopCandidateReport& report : replay.mapper().loop_reports()) write_row(out, report);
   out.flush();
   return out.good();

@@ -7,6 +7,7 @@
 #include "daemon/config/config.hpp"
 #include "daemon/store/cloud_file.hpp"
 #include "tools/slam-replay/back_end_output.hpp"
+#include "tools/slam-replay/injected_loops.hpp"
 #include "tools/slam-replay/replay.hpp"
 
 namespace {
@@ -18,6 +19,7 @@ enum ExitCode { kOk = 0, kBadDrive = 1, kBadConfig = 2, kCannotWrite = 3 };
 struct Options {
   std::string drive, config, out;
   std::vector<std::string> overrides;
+  double wrong_candidates = 0.0;
   bool no_gps = false, no_loops = false, no_map = false, quiet = false;
 };
 
@@ -51,6 +53,16 @@ bool write_map(replay::Replay& replay, const std::string& path, std::uint64_t& p
   return file && save_atomically(file->get(), path);
 }
 
+/// As make_mapper of the back end; with a share of wrong candidates in the search for loops.
+Mapper make_mapper(const BackEndConfig& config, const VehicleGeometry& vehicle, double wrong_candidates) {
+  if (wrong_candidates == 0.0 || !config.use_loops) return slamd::make_mapper(config, vehicle);
+  std::unique_ptr<PositionSource> positions;
+  if (config.use_gps) positions = std::make_unique<GnssAlignment>(config.gps, vehicle.p_base_antenna);
+  LoopCloser closer{config.loops, vehicle.T_base_lidar.translation};
+  return Mapper{config.mapper, std::make_unique<replay::InjectedLoops>(std::move(closer), wrong_candidates),
+                std::move(positions)};
+}
+
 int run(const Options& options) {
   const std::string recorded_config = options.drive + "/slamd.yaml";
   const bool take_recorded = options.config.empty() && std::filesystem::exists(recorded_config);
@@ -72,7 +84,7 @@ int run(const Options& options) {
   BackEndConfig& back_end = config.value.back_end;
   back_end.use_loops = back_end.use_loops && !options.no_loops;
   replay::Replay replay{config.value.vehicle, config.value.odometry, config.value.map,
-                        make_mapper(back_end, config.value.vehicle)};
+                        make_mapper(back_end, config.value.vehicle, options.wrong_candidates)};
   Progress progress{"replay", 1.0, options.quiet, ""};
   replay.run(drive, output, progress, !options.no_map);
   replay::Report report = replay.report();
@@ -100,6 +112,9 @@ int main(int argc, char** argv) {
   app.add_option("--set", options.overrides, "key=value over the configuration, may be repeated");
   app.add_flag("--no-gps", options.no_gps, "leave gps.csv unread");
   app.add_flag("--no-loops", options.no_loops, "no loop closure");
+  app.add_option("--wrong-candidates", options.wrong_candidates,
+                 "test of the loop closer: this share of the places looked at also gets a candidate that is none")
+      ->check(CLI::Range(0.0, 1.0));
   app.add_flag("--no-map", options.no_map, "no back end and no map: no map.tum, no map.pcd, and the memory is the front end's alone");
   app.add_flag("--quiet", options.quiet, "no progress bar");
   CLI11_PARSE(app, argc, argv);

@@ -105,6 +105,7 @@ void add_tables(CLI::App& app) {
   command->add_option("--seeds", o->seeds, "numbers and ranges FIRST-LAST")->capture_default_str();
   command->add_option("--length", o->length_m, "end every drive after this many metres (0 = all of it)")
       ->check(CLI::NonNegativeNumber);
+  command->add_option("--fault", o->maker.faults, "of slam-sim, for every drive; take another --work for other faults");
   command->add_option("--config", o->maker.config, "slamd.yaml of slam-replay (default: built-in)")->check(CLI::ExistingFile);
   command->add_option("--work", o->maker.work, "folder for drives, which are used again, and runs (default: OUT/work)");
   command->add_option("--slam-sim", o->maker.slam_sim, "the program (default: beside slam-eval)")->check(CLI::ExistingFile);

@@ -53,6 +53,7 @@ void make_drive(const RunMakerOptions& options, const DriveName& drive) {
   std::vector<std::string> command{options.slam_sim, "--scenario", drive.scenario, "--seed", std::to_string(drive.seed),
                                    "--quiet", "--threads", "1", "--out", part.string()};
   if (drive.length_m > 0.0) command.insert(command.end(), {"--length", std::to_string(drive.length_m)});
+  for (const std::string& fault : options.faults) command.insert(command.end(), {"--fault", fault});
   run_program(command, folder.string() + ".log");
   fs::rename(part, folder);
 }

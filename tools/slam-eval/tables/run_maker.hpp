@@ -14,6 +14,7 @@ struct RunMakerOptions {
   std::string slam_replay;
   std::string config;              // of slam-replay; empty = its defaults
   std::filesystem::path work;      // WORK/drives/DRIVE (kept), WORK/runs/DRIVE/CONFIGURATION (overwritten)
+  std::vector<std::string> faults; // of slam-sim, for every drive; WORK belongs to one set of them
   int jobs = 1;                    // drives at a time
 };
 
