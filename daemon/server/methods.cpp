@@ -3,7 +3,6 @@
 #include <fcntl.h>
 
 #include <array>
-#include <string_view>
 #include <utility>
 
 #include "daemon/server/host_clock.hpp"
@@ -18,10 +17,6 @@ using nlohmann::json;
 namespace error = protocol::error;
 namespace method = protocol::method;
 
-constexpr std::array kMethods{method::kVersion,     method::kGetStatus, method::kGetPose,
-                              method::kSubscribe,   method::kUnsubscribe, method::kGetMap,
-                              method::kGetPosePage, method::kGetTrajectory, method::kSaveMap};
-
 json pose_row(const StampedPose& pose) {
   const Eigen::Vector3d& p = pose.T_odom_base.translation;
   const Eigen::Quaterniond& q = pose.T_odom_base.rotation;
@@ -30,24 +25,36 @@ json pose_row(const StampedPose& pose) {
 
 }  // namespace
 
+struct Methods::Entry {
+  const char* name;
+  Handled (*call)(Methods& self, Params& params, Subscriptions& subscriptions);
+};
+
+std::span<const Methods::Entry> Methods::entries() {
+  static constexpr std::array<Entry, 9> kEntries{{
+      {method::kGetPose, [](Methods& self, Params& params, Subscriptions&) { return self.pose(params); }},
+      {method::kVersion, [](Methods& self, Params& params, Subscriptions&) { return self.version(params); }},
+      {method::kGetStatus, [](Methods& self, Params& params, Subscriptions&) { return self.tell_status(params); }},
+      {method::kSubscribe, [](Methods& self, Params& params, Subscriptions& all) { return self.subscribe(params, all); }},
+      {method::kUnsubscribe, [](Methods& self, Params& params, Subscriptions& all) { return self.unsubscribe(params, all); }},
+      {method::kGetMap, [](Methods& self, Params& params, Subscriptions&) { return self.map(params); }},
+      {method::kGetPosePage, [](Methods& self, Params& params, Subscriptions&) { return self.pose_page(params); }},
+      {method::kGetTrajectory, [](Methods& self, Params& params, Subscriptions&) { return self.trajectory(params); }},
+      {method::kSaveMap, [](Methods& self, Params& params, Subscriptions&) { return self.save_map(params); }},
+  }};
+  return kEntries;
+}
+
 Methods::Methods(const ServerConfig& config, const ServerSources& sources, std::string version,
                  CountsSource server_counts)
     : config_{config}, sources_{sources}, version_{std::move(version)}, server_counts_{std::move(server_counts)} {}
 
 Methods::Handled Methods::call(const RpcRequest& request, Subscriptions& subscriptions) {
   Params params{request.params};
-  const std::string_view name = request.method;
-  if (name == method::kGetPose) return pose(params);
-  if (name == method::kVersion) return version(params);
-  if (name == method::kSubscribe) return subscribe(params, subscriptions);
-  if (name == method::kUnsubscribe) return unsubscribe(params, subscriptions);
-  if (name == method::kGetPosePage) return pose_page(params);
-  if (name == method::kGetMap) return map(params);
-  if (name == method::kSaveMap) return save_map(params);
-  if (name == method::kGetTrajectory) return trajectory(params);
-  if (name != method::kGetStatus) return RpcError{error::kUnknownMethod, "unknown method"};
-  if (auto fault = params.fault()) return *std::move(fault);
-  return Reply{status(), {}};
+  for (const Entry& entry : entries()) {
+    if (request.method == entry.name) return entry.call(*this, params, subscriptions);
+  }
+  return RpcError{error::kUnknownMethod, "unknown method"};
 }
 
 const json& Methods::status() {
@@ -57,6 +64,11 @@ const json& Methods::status() {
     status_time_ = now;
   }
   return status_;
+}
+
+Methods::Handled Methods::tell_status(Params& params) {
+  if (auto fault = params.fault()) return *std::move(fault);
+  return Reply{status(), {}};
 }
 
 json Methods::fresh_status(HostTime now) const {
@@ -92,7 +104,9 @@ Methods::Handled Methods::version(Params& params) const {
   if (wanted != protocol::kVersion) {
     return RpcError{error::kVersionUnknown, "this daemon speaks protocol " + std::to_string(protocol::kVersion)};
   }
-  return Reply{{{"daemon", "slamd"}, {"version", version_}, {"protocol", protocol::kVersion}, {"methods", kMethods}}, {}};
+  json methods = json::array();
+  for (const Entry& entry : entries()) methods.push_back(entry.name);
+  return Reply{{{"daemon", "slamd"}, {"version", version_}, {"protocol", protocol::kVersion}, {"methods", methods}}, {}};
 }
 
 Methods::Handled Methods::pose(Params& params) const {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 
@@ -47,7 +48,11 @@ class Methods {
   static constexpr Duration kStatusAge = std::chrono::milliseconds{100};
 
  private:
+  struct Entry;  // one method: its name and what does it
+  static std::span<const Entry> entries();
+
   nlohmann::json fresh_status(HostTime now) const;
+  Handled tell_status(Params& params);
   Handled version(Params& params) const;
   Handled pose(Params& params) const;
   Handled subscribe(Params& params, Subscriptions& subscriptions) const;

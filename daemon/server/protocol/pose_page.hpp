@@ -18,7 +18,7 @@ namespace slamd {
 
 inline constexpr std::int64_t kUtcOffsetUnknown = std::numeric_limits<std::int64_t>::min();
 
-/// All that the daemon says of one instant. SI units; quaternions are x, y, z, w; frames as in the protocol's README.
+/// All that the daemon says of one instant. SI units; quaternions are x, y, z, w; frames as in docs/protocol.md.
 struct PoseSample {
   std::int64_t host_time_ns = 0;                      // CLOCK_MONOTONIC of the instant described
   std::int64_t utc_offset_ns = kUtcOffsetUnknown;     // UTC since 1970 = host_time_ns + utc_offset_ns
