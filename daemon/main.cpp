@@ -4,6 +4,7 @@
 #include <iostream>
 #include <string>
 
+#include "daemon/rt_check.hpp"
 #include "daemon/run.hpp"
 
 namespace {
@@ -12,6 +13,7 @@ struct Arguments {
   slamd::Launch launch;
   bool check = false;
   bool print_config = false;
+  bool rt_check = false;
 };
 
 }  // namespace
@@ -27,6 +29,9 @@ int main(int argc, char** argv) {
                  "record all that the sensors send as a drive folder, for slam-replay");
   cli.add_flag("--check", arguments.check, "read the configuration, say what is wrong with it, do not start");
   cli.add_flag("--print-config", arguments.print_config, "print the effective configuration as YAML, do not start");
+  cli.add_flag("--rt-check", arguments.rt_check,
+               "say what of this machine keeps slamd from real time and how to mend it, do not start; exit code 1 when\n"
+               "something is wrong");
   cli.set_version_flag("--version", SLAMD_VERSION);
   try {
     cli.parse(argc, argv);
@@ -39,5 +44,6 @@ int main(int argc, char** argv) {
   if (!config.faults.empty()) return slamd::kExitConfig;
   if (arguments.print_config) std::cout << slamd::print_config(config.value);
   if (arguments.check || arguments.print_config) return slamd::kExitDone;
+  if (arguments.rt_check) return slamd::check_real_time(config.value, std::cout);
   return slamd::run_daemon(launch, config.value, SLAMD_VERSION);
 }

@@ -137,6 +137,28 @@ class Slamctl(WithServer):
         self.assertEqual(sorted(os.listdir(self.folder)),
                          ["drive.tum", "map.pcd", "map.ply", "slamd.sock", "slamd.sock.lock"])
 
+    def doctor(self, *arguments):
+        """Exit code and findings by subject; what of the machine is wrong depends on the machine."""
+        done = subprocess.run([os.environ["SLAMCTL"], "doctor", "--json", *arguments], capture_output=True, text=True,
+                              timeout=120, env={**os.environ, "SLAMD_SOCKET": self.path})
+        told = json.loads(done.stdout)
+        self.assertEqual(done.returncode, 0 if told["right"] else 1, done.stderr)
+        self.assertEqual(told["right"], all(finding["verdict"] != "wrong" for finding in told["findings"]))
+        return {finding["subject"]: finding for finding in told["findings"]}
+
+    def test_doctor_tells_of_the_machine_and_of_the_daemon(self):
+        told = self.doctor()
+        self.assertEqual(told["pose"]["verdict"], "right")
+        self.assertIn("RLIMIT_RTPRIO", told)
+        self.assertNotIn("daemon", told)
+
+    def test_doctor_tells_of_the_machine_without_a_daemon(self):
+        told = self.doctor("--socket", os.path.join(self.folder, "none.sock"))
+        self.assertEqual(told["daemon"]["verdict"], "wrong")
+        self.assertIn("kernel", told)
+        self.assertNotIn("pose", told)
+        self.slamctl("doctor", "--lidar", "nonsense", code=2)
+
     def test_exit_codes_say_what_went_wrong(self):
         self.slamctl(code=2)
         self.slamctl("map", "save", "map.txt", code=2)

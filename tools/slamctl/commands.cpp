@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <iostream>
 
+#include "tools/slamctl/daemon_findings.hpp"
 #include "tools/slamctl/text.hpp"
 
 namespace slamd::slamctl {
@@ -48,7 +49,22 @@ void copy_to_file(const client::Answer& answer, const Options& options, const Pr
   });
 }
 
+/// What the daemon says of itself, or that it says nothing.
+doctor::Findings ask_daemon(const Options& options) {
+  try {
+    return daemon_findings(connect(options).call(method::kGetStatus).result);
+  } catch (const client::ClientError& error) {
+    return {{doctor::Verdict::kWrong, "daemon", error.what(),
+             "systemctl start slamd; journalctl -u slamd says why it ended; adduser USER slamd permits to ask it"}};
+  }
+}
+
 }  // namespace
+
+client::Connection connect(const Options& options) {
+  return client::Connection{options.socket_path,
+                            std::chrono::milliseconds{static_cast<std::int64_t>(options.timeout_s * 1e3)}};
+}
 
 int show_status(client::Connection& daemon, const Options& options) {
   const json status = daemon.call(method::kGetStatus).result;
@@ -97,6 +113,15 @@ int save_trajectory(client::Connection& daemon, const Options& options) {
   const client::Answer answer = daemon.call(method::kGetTrajectory, {{"format", "tum"}});
   copy_to_file(answer, options, progress);
   return print_saved(options, answer.result, std::to_string(answer.result.value("poses", 0)) + " poses");
+}
+
+int show_doctor(const Options& options) {
+  doctor::Wanted wanted;
+  wanted.lidar_address = options.lidar_address;
+  doctor::Findings findings = doctor::check_machine_and_daemons(doctor::HostFiles{}, wanted);
+  for (doctor::Finding& finding : ask_daemon(options)) findings.push_back(std::move(finding));
+  std::cout << (options.json ? findings_json(findings).dump() + '\n' : doctor::text(findings));
+  return doctor::all_right(findings) ? kOk : kFailed;
 }
 
 }  // namespace slamd::slamctl

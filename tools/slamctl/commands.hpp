@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/doctor/doctor.hpp"
 #include "tools/client/client.hpp"
 
 namespace slamd::slamctl {
@@ -21,13 +22,20 @@ struct Options {
   std::uint64_t count = 0;  // poses to follow; 0 = for ever
   std::string file;
   double voxel_size_m = 0.2;
+  std::string lidar_address = doctor::Wanted{}.lidar_address;
   std::vector<double> box;  // min x y z, max x y z, or empty
 };
+
+/// To the socket of the options, with their patience. Throws ClientError.
+client::Connection connect(const Options& options);
 
 // Each prints to stdout (progress to stderr when that is a terminal) and returns the exit code; throws ClientError.
 int show_status(client::Connection& daemon, const Options& options);
 int show_pose(client::Connection& daemon, const Options& options);
 int save_map(client::Connection& daemon, const Options& options);
 int save_trajectory(client::Connection& daemon, const Options& options);
+
+/// What is wrong with machine and daemon; kFailed when anything is, a daemon that does not answer among it.
+int show_doctor(const Options& options);
 
 }  // namespace slamd::slamctl

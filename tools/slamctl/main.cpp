@@ -11,10 +11,12 @@ using namespace slamd::slamctl;
 using slamd::client::ClientError;
 
 constexpr const char* kFooter =
-    "Exit codes: 0 done; 1 the daemon refused or a file could not be written; 2 bad command line;\n"
+    "Exit codes: 0 done; 1 the daemon refused, a file could not be written, or doctor found something wrong;\n"
+    "2 bad command line;\n"
     "3 no daemon at the socket, or it hung up or did not answer in time; 4 (status only) the daemon is not TRACKING.\n"
     "Examples:\n"
     "  slamctl status\n"
+    "  slamctl doctor\n"
     "  slamctl pose --follow --rate 50 --json\n"
     "  slamctl map save campus.pcd --voxel 0.1 --box -50 -50 -5 50 50 20\n"
     "  slamctl trajectory save drive.tum";
@@ -45,6 +47,9 @@ void add_commands(CLI::App& cli, Options& options) {
   pose->add_option("--rate", options.rate_hz, "with --follow: poses a second")
       ->check(CLI::Range(0.01, 1000.0))->capture_default_str();
   pose->add_option("--count", options.count, "with --follow: stop after so many");
+  cli.add_subcommand("doctor", "what is wrong with machine and daemon, and how to mend it; also when no daemon runs")
+      ->add_option("--lidar", options.lidar_address, "the LiDAR's IPv4 address, to find its network port")
+      ->check(CLI::ValidIPV4)->capture_default_str();
   add_map(cli, options);
   CLI::App* trajectory = cli.add_subcommand("trajectory", "the path driven so far")->require_subcommand(1);
   trajectory->add_subcommand("save", "write it as TUM text (base in odom)")
@@ -77,8 +82,8 @@ int main(int argc, char** argv) {
     return cli.exit(error) == 0 ? kOk : kUsage;
   }
   try {
-    const auto patience = std::chrono::milliseconds{static_cast<std::int64_t>(options.timeout_s * 1e3)};
-    slamd::client::Connection daemon{options.socket_path, patience};
+    if (cli.got_subcommand("doctor")) return show_doctor(options);
+    slamd::client::Connection daemon = connect(options);
     return chosen(cli)(daemon, options);
   } catch (const ClientError& error) {
     std::cerr << "slamctl: " << error.what() << '\n';

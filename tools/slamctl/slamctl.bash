@@ -3,18 +3,19 @@ _slamctl() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command="" sub="" word
   for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
     case $word in
-      status | pose | map | trajectory) [[ -z $command ]] && command=$word ;;
+      status | doctor | pose | map | trajectory) [[ -z $command ]] && command=$word ;;
       save) sub=save ;;
     esac
   done
   case $prev in
     --socket) mapfile -t COMPREPLY < <(compgen -f -- "$cur"); return ;;
-    --timeout | --rate | --count | --voxel | --box) return ;;
+    --timeout | --lidar | --rate | --count | --voxel | --box) return ;;
   esac
   local general="--socket --json --timeout --help" words=""
   case $command in
-    "") words="status pose map trajectory $general" ;;
+    "") words="status doctor pose map trajectory $general" ;;
     status) words=$general ;;
+    doctor) words="--lidar $general" ;;
     pose) words="--follow --rate --count $general" ;;
     map | trajectory)
       if [[ -z $sub ]]; then
