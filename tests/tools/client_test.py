@@ -137,6 +137,11 @@ class Slamctl(WithServer):
         self.assertEqual(sorted(os.listdir(self.folder)),
                          ["drive.tum", "map.pcd", "map.ply", "slamd.sock", "slamd.sock.lock"])
 
+    def test_metrics_are_prometheus_text(self):
+        told = self.slamctl("metrics").splitlines()
+        self.assertIn('slamd_status{status="TRACKING"} 1', told)
+        self.assertIn("slamd_map_keyframes 100", told)
+
     def doctor(self, *arguments):
         """Exit code and findings by subject; what of the machine is wrong depends on the machine."""
         done = subprocess.run([os.environ["SLAMCTL"], "doctor", "--json", *arguments], capture_output=True, text=True,

@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "tools/slamctl/daemon_findings.hpp"
+#include "tools/slamctl/metrics.hpp"
 #include "tools/slamctl/text.hpp"
 
 namespace slamd::slamctl {
@@ -70,6 +71,11 @@ int show_status(client::Connection& daemon, const Options& options) {
   const json status = daemon.call(method::kGetStatus).result;
   std::cout << (options.json ? status.dump() + '\n' : status_text(status));
   return status.at("pose").at("status") == "TRACKING" ? kOk : kNotTracking;
+}
+
+int show_metrics(client::Connection& daemon, const Options&) {
+  std::cout << metrics_text(daemon.call(method::kGetStatus).result);
+  return kOk;
 }
 
 int show_pose(client::Connection& daemon, const Options& options) {

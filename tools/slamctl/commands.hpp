@@ -31,6 +31,7 @@ client::Connection connect(const Options& options);
 
 // Each prints to stdout (progress to stderr when that is a terminal) and returns the exit code; throws ClientError.
 int show_status(client::Connection& daemon, const Options& options);
+int show_metrics(client::Connection& daemon, const Options& options);
 int show_pose(client::Connection& daemon, const Options& options);
 int save_map(client::Connection& daemon, const Options& options);
 int save_trajectory(client::Connection& daemon, const Options& options);

@@ -42,6 +42,7 @@ void add_commands(CLI::App& cli, Options& options) {
       ->check(CLI::Range(0.1, 3600.0))->capture_default_str();
   cli.require_subcommand(1)->fallthrough()->footer(kFooter);
   cli.add_subcommand("status", "how the daemon and its sensors are");
+  cli.add_subcommand("metrics", "status as Prometheus text, for the textfile collector of node_exporter");
   CLI::App* pose = cli.add_subcommand("pose", "where the vehicle is");
   pose->add_flag("--follow", options.follow, "every new pose, until interrupted");
   pose->add_option("--rate", options.rate_hz, "with --follow: poses a second")
@@ -60,6 +61,7 @@ void add_commands(CLI::App& cli, Options& options) {
 
 Command chosen(const CLI::App& cli) {
   if (cli.got_subcommand("status")) return show_status;
+  if (cli.got_subcommand("metrics")) return show_metrics;
   if (cli.got_subcommand("pose")) return show_pose;
   return cli.got_subcommand("map") ? save_map : save_trajectory;
 }

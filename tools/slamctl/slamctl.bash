@@ -3,7 +3,7 @@ _slamctl() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command="" sub="" word
   for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
     case $word in
-      status | doctor | pose | map | trajectory) [[ -z $command ]] && command=$word ;;
+      status | doctor | metrics | pose | map | trajectory) [[ -z $command ]] && command=$word ;;
       save) sub=save ;;
     esac
   done
@@ -13,8 +13,8 @@ _slamctl() {
   esac
   local general="--socket --json --timeout --help" words=""
   case $command in
-    "") words="status doctor pose map trajectory $general" ;;
-    status) words=$general ;;
+    "") words="status doctor metrics pose map trajectory $general" ;;
+    status | metrics) words=$general ;;
     doctor) words="--lidar $general" ;;
     pose) words="--follow --rate --count $general" ;;
     map | trajectory)

@@ -1,0 +1,126 @@
+#include "tools/slamctl/metrics.hpp"
+
+#include <array>
+#include <utility>
+#include <vector>
+
+namespace slamd::slamctl {
+namespace {
+
+using nlohmann::json;
+using Labels = std::vector<std::pair<const char*, std::string>>;
+
+std::string escaped(const std::string& value) {
+  std::string text;
+  for (const char c : value) {
+    if (c == '\\' || c == '"') text += '\\';
+    text += c == '\n' ? std::string{"\\n"} : std::string{c};
+  }
+  return text;
+}
+
+std::string in_braces(const Labels& labels) {
+  std::string text;
+  for (const auto& [name, value] : labels) text += (text.empty() ? "" : ",") + std::string{name} + "=\"" + escaped(value) + '"';
+  return text.empty() ? "" : "{" + text + "}";
+}
+
+/// All samples of one name, below its HELP and TYPE; without samples it is left out.
+class Family {
+ public:
+  Family(std::string name, const char* type, const char* help)
+      : name_{std::move(name)}, head_{"# HELP " + name_ + ' ' + help + "\n# TYPE " + name_ + ' ' + type + '\n'} {}
+
+  void add(const json& value, const Labels& labels = {}, const char* suffix = "") {
+    if (value.is_number()) samples_ += name_ + suffix + in_braces(labels) + ' ' + value.dump() + '\n';
+  }
+
+  std::string text() const { return samples_.empty() ? "" : head_ + samples_; }
+
+ private:
+  std::string name_;
+  std::string head_;
+  std::string samples_;
+};
+
+std::string single(const char* name, const char* type, const char* help, const json& value) {
+  Family family{name, type, help};
+  family.add(value);
+  return family.text();
+}
+
+std::string pose_metrics(const json& pose) {
+  Family status{"slamd_status", "gauge", "1 for the status of the pose, 0 for the others."};
+  for (const char* each : {"INITIALISING", "TRACKING", "DEGRADED", "LOST"}) {
+    status.add(pose.at("status") == each ? 1 : 0, {{"status", each}});
+  }
+  return status.text() + single("slamd_pose_age_seconds", "gauge", "Age of the newest pose.", pose.at("age_s"));
+}
+
+std::string source_metrics(const json& sources) {
+  Family healthy{"slamd_source_healthy", "gauge", "1 when the sensor is healthy."};
+  Family rate{"slamd_source_rate_hertz", "gauge", "Good items a second."};
+  Family age{"slamd_source_age_seconds", "gauge", "Age of the newest good item."};
+  Family received{"slamd_source_received_total", "counter", "Good items."};
+  Family lost{"slamd_source_lost_total", "counter", "Items that never arrived."};
+  Family rejected{"slamd_source_rejected_total", "counter", "Items refused, by cause."};
+  for (const auto& [name, source] : sources.items()) {
+    const Labels labels{{"source", name}};
+    healthy.add(source.at("state") == "healthy" ? 1 : 0, labels);
+    rate.add(source.at("rate_hz"), labels);
+    age.add(source.at("age_s"), labels);
+    received.add(source.at("received"), labels);
+    lost.add(source.at("lost"), labels);
+    for (const auto& [cause, count] : source.at("rejected").items()) {
+      rejected.add(count, {{"source", name}, {"cause", cause}});
+    }
+  }
+  return healthy.text() + rate.text() + age.text() + received.text() + lost.text() + rejected.text();
+}
+
+std::string ring_metrics(const json& rings) {
+  Family dropped{"slamd_ring_dropped_total", "counter", "Items dropped between threads."};
+  Family most{"slamd_ring_high_water", "gauge", "Most items that ever waited in the ring."};
+  for (const auto& [name, ring] : rings.items()) {
+    dropped.add(ring.at("dropped"), {{"ring", name}});
+    most.add(ring.at("high_water"), {{"ring", name}});
+  }
+  return dropped.text() + most.text();
+}
+
+std::string stage_metrics(const json& stages) {
+  constexpr std::array<std::pair<const char*, const char*>, 5> kQuantiles{
+      {{"p50", "0.5"}, {"p90", "0.9"}, {"p99", "0.99"}, {"p999", "0.999"}, {"max", "1"}}};
+  Family seconds{"slamd_stage_seconds", "summary", "Duration of a stage since the start; quantile 1 is the longest."};
+  for (const auto& [name, stage] : stages.items()) {
+    for (const auto& [key, quantile] : kQuantiles) {
+      seconds.add(stage.at(key).get<double>() * 1e-3, {{"stage", name}, {"quantile", quantile}});
+    }
+    seconds.add(stage.at("count"), {{"stage", name}}, "_count");
+  }
+  return seconds.text();
+}
+
+std::string count_metrics(const json& counts) {
+  Family events{"slamd_events_total", "counter", "Other totals of the daemon, by name."};
+  for (const auto& [name, count] : counts.items()) events.add(count, {{"event", name}});
+  return events.text();
+}
+
+}  // namespace
+
+std::string metrics_text(const json& status) {
+  const json& health = status.at("health");
+  const json& map = status.at("map");
+  return pose_metrics(status.at("pose")) +
+         single("slamd_uptime_seconds", "gauge", "Since the daemon's start.", health.at("uptime_s")) +
+         single("slamd_resident_memory_bytes", "gauge", "Memory in use.", health.at("memory").at("resident_bytes")) +
+         source_metrics(health.at("sources")) + ring_metrics(health.at("rings")) +
+         stage_metrics(health.at("stages_ms")) + count_metrics(health.at("counts")) +
+         single("slamd_map_keyframes", "gauge", "Keyframes of the map.", map.at("keyframes")) +
+         single("slamd_map_points", "gauge", "Points of the map.", map.at("points")) +
+         single("slamd_map_bytes", "gauge", "Memory of the map.", map.at("bytes")) +
+         single("slamd_clients", "gauge", "Clients connected.", status.at("server").at("clients"));
+}
+
+}  // namespace slamd::slamctl
