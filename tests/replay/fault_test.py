@@ -41,7 +41,9 @@ class Faults(unittest.TestCase):
 
     def assert_goes_on_without_imu(self, outcome):
         self.assertEqual(outcome.statuses() - {"INITIALISING"}, {"DEGRADED"})
-        self.assertEqual(outcome.reasons(2.0), {"no_imu"})
+        self.assertIn("no_imu", outcome.reasons(2.0))
+        # A single scan that a guessed motion has skewed may contradict the map, and says so.
+        self.assertLessEqual(outcome.reasons(2.0), {"no_imu", "innovation"})
         self.assert_accurate(outcome, MAX_ERROR_WITHOUT_VERTICAL_M)
 
     def assert_tracks_throughout(self, outcome):
