@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <functional>
 #include <limits>
 
 #include "estimator/graph/chordal.hpp"
@@ -57,8 +56,7 @@ class Gnc {
       if (!lower_limit()) break;
       mu = config_.first_sharpness;
     }
-    give_second_chance(limits);
-    outcome.solve = confirm_lone_edges(limits);
+    outcome.solve = give_second_chance(limits);
     outcome.weights = weights_;
     return outcome;
   }
@@ -111,63 +109,15 @@ class Gnc {
 
   /// A right edge that alone joins what drifted apart looks wrong until it is in: near ones are taken in together, and stay
   /// when the rest can agree with them; then edges within the limit are taken until nothing changes.
-  void give_second_chance(const SolveLimits& limits) {
+  SolveOutcome give_second_chance(const SolveLimits& limits) {
     const std::vector<double> kept = weights_;
     keep_within(config_.second_chance * limit_);
     move_from_start(limits);
     keep_within(limit_);
     for (std::size_t k = 0; k < weights_.size(); ++k) weights_[k] = std::max(weights_[k], kept[k]);
-    move_from_start(limits);
-    for (int i = 0; i < config_.last_rounds && keep_within(limit_); ++i) move_from_start(limits);
-  }
-
-  /// Kept edges that no other kept one confirms.
-  std::vector<std::size_t> lone_edges() const {
-    PoseGraph<Group> kept = graph_;
-    kept.edges.clear();
-    std::vector<bool> suspect;
-    std::vector<std::size_t> index;
-    for (std::size_t k = 0; k < weights_.size(); ++k) {
-      if (weights_[k] == 0.0) continue;
-      kept.edges.push_back(graph_.edges[k]);
-      suspect.push_back(suspect_[k]);
-      index.push_back(k);
-    }
-    const std::vector<bool> supported = supported_edges(kept, suspect);
-    std::vector<std::size_t> lone;
-    for (std::size_t i = 0; i < index.size(); ++i) {
-      if (!supported[i]) lone.push_back(index[i]);
-    }
-    return lone;
-  }
-
-  /// An edge that nothing near confirms may bend a stretch that nothing else holds until its own error is small. It has to earn its
-  /// place: all such edges are taken out, and one that the others' solution contradicts comes back only if that raises
-  /// the whole objective by no more than a right edge would.
-  SolveOutcome confirm_lone_edges(const SolveLimits& limits) {
-    std::vector<std::size_t> lone = lone_edges();
-    for (const std::size_t k : lone) weights_[k] = 0.0;
     SolveOutcome outcome = move_from_start(limits);
-    while (!lone.empty()) {
-      const auto error = [&](std::size_t k) { return chi2(graph_, graph_.edges[k]); };
-      std::ranges::sort(lone, std::greater{}, error);
-      const std::size_t candidate = lone.back();
-      lone.pop_back();
-      weights_[candidate] = 1.0;
-      if (error(candidate) < limit_) {
-        outcome.objective += error(candidate);
-        continue;
-      }
-      const std::vector<typename Group::Element> before = graph_.poses;
-      const SolveOutcome with = move(limits);
-      if (with.objective - outcome.objective < limit_) {
-        outcome = with;
-        continue;
-      }
-      weights_[candidate] = 0.0;
-      graph_.poses = before;
-    }
-    return move(limits);
+    for (int i = 0; i < config_.last_rounds && keep_within(limit_); ++i) outcome = move_from_start(limits);
+    return outcome;
   }
 
   SolveOutcome move_from_start(const SolveLimits& limits) {
