@@ -41,8 +41,8 @@ std::vector<Voxel> first_points(std::span<const CloudPoint> points, const CloudG
   std::ranges::sort(voxels, [](const Voxel& a, const Voxel& b) {
     return a.number != b.number ? a.number < b.number : a.point < b.point;
   });
-  const auto repeated = std::ranges::unique(voxels, {}, &Voxel::number);
-  voxels.erase(repeated.begin(), repeated.end());
+  const auto same = [](const Voxel& a, const Voxel& b) { return a.number == b.number; };
+  voxels.erase(std::unique(voxels.begin(), voxels.end(), same), voxels.end());
   return voxels;
 }
 

@@ -21,7 +21,7 @@ LocalEnu::LocalEnu(const GeodeticPosition& origin, EnuProjection projection)
     : origin_{origin},
       projection_{projection},
       ellipsoid_{std::make_unique<Ellipsoid>(
-          GeographicLib::LocalCartesian{origin.latitude_deg, origin.longitude_deg, origin.height_m})} {}
+          Ellipsoid{{origin.latitude_deg, origin.longitude_deg, origin.height_m}})} {}
 
 LocalEnu::~LocalEnu() = default;
 LocalEnu::LocalEnu(LocalEnu&&) noexcept = default;
