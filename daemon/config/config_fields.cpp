@@ -73,6 +73,7 @@ Fields server_fields(ServerConfig& c) {
       {"server.socket", &c.socket_path, "", {1, 107}, "path of the Unix socket for clients"},
       {"server.save_dir", &c.save_dir, "", kSomeText, "folder that save_map writes into",
        kLive},
+      {"server.control_group", &c.control_group, "", {0, 32}, "group whose members may save maps; empty = every client"},
       {"server.max_clients", &c.limits.max_clients, "", {1, 4096}, "more are refused",
        kLive},
       {"server.max_request_bytes",

@@ -27,20 +27,21 @@ json pose_row(const StampedPose& pose) {
 
 struct Methods::Entry {
   const char* name;
+  Right right;
   Handled (*call)(Methods& self, Params& params, Subscriptions& subscriptions);
 };
 
 std::span<const Methods::Entry> Methods::entries() {
   static constexpr std::array<Entry, 9> kEntries{{
-      {method::kGetPose, [](Methods& self, Params& params, Subscriptions&) { return self.pose(params); }},
-      {method::kVersion, [](Methods& self, Params& params, Subscriptions&) { return self.version(params); }},
-      {method::kGetStatus, [](Methods& self, Params& params, Subscriptions&) { return self.tell_status(params); }},
-      {method::kSubscribe, [](Methods& self, Params& params, Subscriptions& all) { return self.subscribe(params, all); }},
-      {method::kUnsubscribe, [](Methods& self, Params& params, Subscriptions& all) { return self.unsubscribe(params, all); }},
-      {method::kGetMap, [](Methods& self, Params& params, Subscriptions&) { return self.map(params); }},
-      {method::kGetPosePage, [](Methods& self, Params& params, Subscriptions&) { return self.pose_page(params); }},
-      {method::kGetTrajectory, [](Methods& self, Params& params, Subscriptions&) { return self.trajectory(params); }},
-      {method::kSaveMap, [](Methods& self, Params& params, Subscriptions&) { return self.save_map(params); }},
+      {method::kGetPose, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.pose(params); }},
+      {method::kVersion, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.version(params); }},
+      {method::kGetStatus, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.tell_status(params); }},
+      {method::kSubscribe, Right::kRead, [](Methods& self, Params& params, Subscriptions& all) { return self.subscribe(params, all); }},
+      {method::kUnsubscribe, Right::kRead, [](Methods& self, Params& params, Subscriptions& all) { return self.unsubscribe(params, all); }},
+      {method::kGetMap, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.map(params); }},
+      {method::kGetPosePage, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.pose_page(params); }},
+      {method::kGetTrajectory, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.trajectory(params); }},
+      {method::kSaveMap, Right::kControl, [](Methods& self, Params& params, Subscriptions&) { return self.save_map(params); }},
   }};
   return kEntries;
 }
@@ -49,10 +50,14 @@ Methods::Methods(const ServerConfig& config, const ServerSources& sources, std::
                  CountsSource server_counts)
     : config_{config}, sources_{sources}, version_{std::move(version)}, server_counts_{std::move(server_counts)} {}
 
-Methods::Handled Methods::call(const RpcRequest& request, Subscriptions& subscriptions) {
+Methods::Handled Methods::call(const RpcRequest& request, Right right, Subscriptions& subscriptions) {
   Params params{request.params};
   for (const Entry& entry : entries()) {
-    if (request.method == entry.name) return entry.call(*this, params, subscriptions);
+    if (request.method != entry.name) continue;
+    if (entry.right == Right::kControl && right != Right::kControl) {
+      return RpcError{error::kNotAllowed, request.method + " needs a member of the group " + config_.control_group};
+    }
+    return entry.call(*this, params, subscriptions);
   }
   return RpcError{error::kUnknownMethod, "unknown method"};
 }

@@ -23,6 +23,9 @@ struct Reply {
 };
 using Outcome = std::variant<Reply, RpcError>;
 
+/// What a client may do: everybody who may connect may read, not everybody may write.
+enum class Right { kRead, kControl };
+
 /// Told the stage and its share done; false = nobody wants the result any more.
 using JobProgress = std::function<bool(const char* stage, double share)>;
 struct Job {
@@ -38,8 +41,9 @@ class Methods {
   /// server_counts  gives what get_status shows under "server"
   Methods(const ServerConfig& config, const ServerSources& sources, std::string version, CountsSource server_counts);
 
-  /// Server's thread. Does what the request asks; bad parameters and unknown names are errors, never exceptions.
-  Handled call(const RpcRequest& request, Subscriptions& subscriptions);
+  /// Server's thread. Does what the request asks; bad parameters, unknown names and a missing right are errors, never
+  /// exceptions.
+  Handled call(const RpcRequest& request, Right right, Subscriptions& subscriptions);
 
   /// What get_status gives: at most kStatusAge old, so that many clients that ask cost no more than one.
   const nlohmann::json& status();
@@ -48,7 +52,7 @@ class Methods {
   static constexpr Duration kStatusAge = std::chrono::milliseconds{100};
 
  private:
-  struct Entry;  // one method: its name and what does it
+  struct Entry;  // one method: its name, the right it needs and what does it
   static std::span<const Entry> entries();
 
   nlohmann::json fresh_status(HostTime now) const;

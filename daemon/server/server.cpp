@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <pthread.h>
+#include <unistd.h>
 
 #include <array>
 #include <atomic>
@@ -19,6 +20,7 @@
 
 #include "daemon/server/host_clock.hpp"
 #include "daemon/server/listening_socket.hpp"
+#include "daemon/server/peer.hpp"
 #include "daemon/server/pose_json.hpp"
 #include "daemon/server/protocol/protocol.hpp"
 #include "daemon/server/session.hpp"
@@ -82,6 +84,7 @@ class Server::Impl {
   void publish_status(HostTime now);
 
   ServerConfig config_;
+  std::optional<gid_t> control_group_;  // none: every client controls
   ServerSources sources_;
   ServerCounts counts_;
   Methods methods_;
@@ -100,6 +103,11 @@ class Server::Impl {
 };
 
 Result<void> Server::Impl::start(UniqueFd handed_over) {
+  if (!config_.control_group.empty()) {
+    const Result<gid_t> group = group_named(config_.control_group);
+    if (!group) return Error{group.reason()};
+    control_group_ = *group;
+  }
   Result<ListeningSocket> listening = handed_over ? ListeningSocket::adopt(std::move(handed_over))
                                                   : ListeningSocket::open(config_.socket_path, kBacklog);
   if (!listening) return Error{listening.reason()};
@@ -171,7 +179,9 @@ void Server::Impl::admit(stream_protocol::socket socket) {
     return;
   }
   ++counts_.accepted;
-  auto session = std::make_shared<Session>(std::move(socket), context_);
+  const bool controls = !control_group_ || may_control(peer_of(socket.native_handle()), *control_group_, ::geteuid());
+  const Right right = controls ? Right::kControl : Right::kRead;
+  auto session = std::make_shared<Session>(std::move(socket), right, context_);
   sessions_.insert(session);
   counts_.clients = sessions_.size();
   clients.store(sessions_.size(), std::memory_order_relaxed);

@@ -29,6 +29,7 @@ struct ServerLimits {
 struct ServerConfig {
   std::string socket_path = "/run/slamd/slamd.sock";
   std::string save_dir = "/var/lib/slamd/maps";   // save_map writes here and nowhere else
+  std::string control_group;  // its members may call methods that write; empty: whoever may connect
   ServerLimits limits;
 };
 
@@ -45,8 +46,8 @@ class Server {
   Server(ServerConfig config, ServerSources sources, std::string version);
   ~Server();  // stops
 
-  /// Binds the socket (mode 0660; a stale one is replaced; a second instance is refused), or takes the one that is handed
-  /// over, and starts the threads: one for all sockets, one for long jobs. On failure nothing is left behind.
+  /// Looks up control_group, binds the socket (mode 0660; a stale one is replaced; a second instance is refused), or takes
+  /// the one that is handed over, and starts the threads: one for all sockets, one for long jobs. On failure nothing is left behind.
   Result<void> start(UniqueFd listening = {});
 
   /// Any thread, while it runs. The folder and the limits but max_jobs hold from now on, those of requests for new clients.

@@ -19,6 +19,7 @@ struct ServerCounts {
   std::uint64_t lost_notifications = 0;  // for slow clients
   std::uint64_t stalled_clients = 0;     // dropped because they took nothing
   std::uint64_t refused_jobs = 0;        // max_jobs was reached
+  std::uint64_t refused_control = 0;     // methods that write, called by clients without the right
   std::uint64_t internal_errors = 0;
 
   nlohmann::json to_json() const {
@@ -34,6 +35,7 @@ struct ServerCounts {
             {"lost_notifications", lost_notifications},
             {"stalled_clients", stalled_clients},
             {"refused_jobs", refused_jobs},
+            {"refused_control", refused_control},
             {"internal_errors", internal_errors}};
   }
 };

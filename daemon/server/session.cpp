@@ -25,8 +25,9 @@ bool has_hung_up(int socket) {
 
 }  // namespace
 
-Session::Session(Socket socket, Context& context)
+Session::Session(Socket socket, Right right, Context& context)
     : socket_{std::move(socket)},
+      right_{right},
       turn_timer_{socket_.get_executor()},
       context_{context},
       lines_{context.limits.max_request_bytes},
@@ -91,7 +92,7 @@ void Session::handle(const std::string& line) {
   }
   const RpcRequest& request = std::get<RpcRequest>(parsed);
   try {
-    answer(request, context_.methods.call(request, subscriptions_));
+    answer(request, context_.methods.call(request, right_, subscriptions_));
   } catch (const std::exception&) {
     ++context_.counts.internal_errors;
     answer(request, RpcError{error::kInternal, "internal error"});
@@ -102,6 +103,7 @@ void Session::answer(const RpcRequest& request, Methods::Handled handled) {
   if (Job* job = std::get_if<Job>(&handled)) return start_job(request, std::move(*job));
   if (const RpcError* failure = std::get_if<RpcError>(&handled)) {
     ++context_.counts.failed_requests;
+    if (failure->code == error::kNotAllowed) ++context_.counts.refused_control;
     if (request.wants_answer) send(error_line(request.id, *failure));
     return;
   }

@@ -31,7 +31,7 @@ class Session : public std::enable_shared_from_this<Session> {
     std::function<void(std::shared_ptr<Session>)> closed;  // called once
   };
 
-  Session(Socket socket, Context& context);
+  Session(Socket socket, Right right, Context& context);
 
   void start() { read(); }
   void close();
@@ -60,6 +60,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool has_room() const { return outbox_.bytes() <= context_.limits.max_outbound_bytes; }
 
   Socket socket_;
+  const Right right_;
   boost::asio::steady_timer turn_timer_;  // when work() goes on
   Context& context_;
   LineBuffer lines_;

@@ -31,7 +31,7 @@ class ServerTest : public testing::Test {
   }
 
   ServerConfig config(ServerLimits limits = {}) const {
-    return {.socket_path = socket_path(), .save_dir = folder_, .limits = limits};
+    return {.socket_path = socket_path(), .save_dir = folder_, .control_group = {}, .limits = limits};
   }
   ServerSources sources() { return {publisher_, map_, trajectory_, health_}; }
   std::string socket_path() const { return folder_ + "/slamd.sock"; }

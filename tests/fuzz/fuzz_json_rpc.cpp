@@ -38,7 +38,7 @@ std::string text_of(const nlohmann::json& id, const Outcome& outcome) {
 }
 
 std::string answer(Daemon& daemon, const RpcRequest& request) {
-  Methods::Handled handled = daemon.methods.call(request, daemon.subscriptions);
+  Methods::Handled handled = daemon.methods.call(request, Right::kControl, daemon.subscriptions);
   if (Job* job = std::get_if<Job>(&handled)) {
     return text_of(request.id, job->work([](const char*, double) { return true; }));
   }

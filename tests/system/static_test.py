@@ -67,7 +67,9 @@ class Units(unittest.TestCase):
             result = run(*command, *(["--create"] if tool == "systemd-tmpfiles" else []))
             self.assertEqual(result.returncode, 0, result.stdout)
         with open(os.path.join(self.folder, "systemd-sysusers/etc/group"), encoding="utf-8") as group:
-            self.assertIn("dialout:x:20:slamd", group.read())
+            groups = group.read()
+        self.assertIn("dialout:x:20:slamd", groups)
+        self.assertIn("\nslamd-control:", groups)
         self.assertTrue(os.path.isdir(os.path.join(self.folder, "systemd-tmpfiles/run/slamd")))
 
 

@@ -21,6 +21,7 @@ inline constexpr int kRefused = -32002;         // a file name that may not be w
 inline constexpr int kWriteFailed = -32003;     // disk full, no permission, no memory; the message says which
 inline constexpr int kVersionUnknown = -32004;  // the client asked for a protocol that this daemon does not speak
 inline constexpr int kTooLong = -32005;         // the request line was too long; the connection is closed
+inline constexpr int kNotAllowed = -32006;      // the method needs a member of the control group
 }  // namespace error
 
 namespace method {
