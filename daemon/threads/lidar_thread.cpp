@@ -10,10 +10,12 @@ constexpr Duration kStopLatency = std::chrono::milliseconds{100};
 }  // namespace
 
 Result<LidarThread> LidarThread::open(const LidarThreadConfig& config, const Vlp16Config& decoder, Streams& streams) {
-  UdpSourceConfig source{config.bind_address, config.port, config.source_address, config.receive_buffer_bytes};
+  UdpSourceConfig source{config.bind_address, config.port, config.source_address, config.source_port,
+                         config.receive_buffer_bytes};
   Result<UdpSource> packets = UdpSource::open(source);
   if (!packets) return Error{packets.reason()};
   source.port = config.position_port;
+  source.source_port = config.position_source_port;
   Result<UdpSource> positions = UdpSource::open(source);
   if (!positions) return Error{positions.reason()};
   return LidarThread{std::move(packets).value(), std::move(positions).value(), decoder, streams};

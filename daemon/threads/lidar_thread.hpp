@@ -21,6 +21,8 @@ struct LidarThreadConfig {
   std::uint16_t port = 2368;           // data packets
   std::uint16_t position_port = 8308;  // position packets: state of the pulse per second
   std::string source_address;          // when not empty, datagrams of others are dropped and counted
+  std::uint16_t source_port = 0;           // likewise unless 0: the sensor's own port of its data packets,
+  std::uint16_t position_source_port = 0;  // and of its position packets
   int receive_buffer_bytes = 4 << 20;
 };
 

@@ -70,11 +70,13 @@ struct UdpSource::Batch {
 
   void arm(std::size_t i);
   void accept(std::size_t i);
+  bool is_foreign(const sockaddr_in& sender) const;
   bool wait(Duration timeout);
 
   int socket;
   std::uint16_t port = 0;
   std::optional<in_addr> only_source;
+  in_port_t only_source_port = 0;  // network order; 0: any
   ReceiveClock clock;
   HostTime newest_arrival{HostTime::min()};
   std::uint32_t overflow_total = 0;
@@ -98,6 +100,11 @@ void UdpSource::Batch::arm(std::size_t i) {
   header.msg_controllen = slot.control.size();
 }
 
+bool UdpSource::Batch::is_foreign(const sockaddr_in& sender) const {
+  if (only_source && sender.sin_addr.s_addr != only_source->s_addr) return true;
+  return only_source_port != 0 && sender.sin_port != only_source_port;
+}
+
 void UdpSource::Batch::accept(std::size_t i) {
   msghdr& header = headers[i].msg_hdr;
   const Slot& slot = slots[i];
@@ -107,7 +114,7 @@ void UdpSource::Batch::accept(std::size_t i) {
         *ancillary.overflow_total - overflow_total;  // the kernel's counter wraps at 32 bits, as this does
     overflow_total = *ancillary.overflow_total;
   }
-  if (only_source && slot.source.sin_addr.s_addr != only_source->s_addr) {
+  if (is_foreign(slot.source)) {
     ++stats.foreign;
     return;
   }
@@ -150,6 +157,7 @@ Result<UdpSource> UdpSource::open(const UdpSourceConfig& config) {
   if (fd < 0) return Error{"no socket to be had"};
   auto batch = std::make_unique<Batch>(fd);
   if (filtered) batch->only_source = only_source;
+  batch->only_source_port = htons(config.source_port);
   ask_for_buffer(fd, config.receive_buffer_bytes);
   if (!enable(fd, SO_TIMESTAMPNS)) return Error{"the kernel gives no receive stamps"};
   if (!enable(fd, SO_RXQ_OVFL)) return Error{"the kernel does not count receive overflows"};

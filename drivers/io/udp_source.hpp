@@ -17,12 +17,13 @@ struct UdpSourceConfig {
   std::string bind_address = "0.0.0.0";  // of the interface; 0.0.0.0 also takes broadcasts
   std::uint16_t port = 2368;             // 0 = any free one, see UdpSource::port()
   std::string source_address;            // when not empty, datagrams of others are dropped and counted
+  std::uint16_t source_port = 0;         // likewise unless 0: of the sender
   int receive_buffer_bytes = 4 << 20;    // about 2.5 s of VLP-16 packets with the kernel's overhead
 };
 
 struct UdpStats {
   std::uint64_t packets = 0;     // handed out
-  std::uint64_t foreign = 0;     // dropped: not from the configured source address
+  std::uint64_t foreign = 0;     // dropped: not from the configured source address or port
   std::uint64_t oversized = 0;   // dropped: longer than any sensor's packet
   std::uint64_t overflowed = 0;  // dropped by the kernel because we were late (SO_RXQ_OVFL)
   std::uint64_t unstamped = 0;   // arrival is the time of the call: no kernel stamp, or one that a clock step spoiled

@@ -29,12 +29,17 @@ class Sender {
  public:
   explicit Sender(std::uint16_t port, const char* from = "127.0.0.1") : socket_{::socket(AF_INET, SOCK_DGRAM, 0)} {
     sockaddr_in own = address(from, 0);
-    EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&own), sizeof own), 0);
+    socklen_t size = sizeof own;
+    EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&own), size), 0);
+    EXPECT_EQ(getsockname(socket_, reinterpret_cast<sockaddr*>(&own), &size), 0);
+    own_port_ = ntohs(own.sin_port);
     to_ = address("127.0.0.1", port);
   }
   ~Sender() { close(socket_); }
   Sender(const Sender&) = delete;
   Sender& operator=(const Sender&) = delete;
+
+  std::uint16_t own_port() const { return own_port_; }
 
   void send(const std::string& text) {
     const auto* to = reinterpret_cast<const sockaddr*>(&to_);
@@ -50,6 +55,7 @@ class Sender {
     return a;
   }
   int socket_;
+  std::uint16_t own_port_ = 0;
   sockaddr_in to_{};
 };
 
@@ -109,6 +115,28 @@ TEST(UdpSource, DropsAndCountsOtherSenders) {
   ASSERT_EQ(packets.size(), 1U);
   EXPECT_EQ(text(packets[0]), "yes");
   EXPECT_EQ(source.stats().foreign, 2U);
+}
+
+TEST(UdpSource, DropsAndCountsOtherPortsOfTheSensorsAddress) {
+  std::uint16_t free_port = 0;
+  {
+    free_port = open({}).port();
+  }
+  Sender sensor{free_port}, stranger{free_port};
+  UdpSourceConfig config;
+  config.bind_address = "127.0.0.1";
+  config.port = free_port;
+  config.source_address = "127.0.0.1";
+  config.source_port = sensor.own_port();
+  auto opened = UdpSource::open(config);
+  ASSERT_TRUE(opened) << opened.reason();
+  UdpSource source = std::move(opened).value();
+  stranger.send("no");
+  sensor.send("yes");
+  const auto packets = source.receive(milliseconds{2000});
+  ASSERT_EQ(packets.size(), 1U);
+  EXPECT_EQ(text(packets[0]), "yes");
+  EXPECT_EQ(source.stats().foreign, 1U);
 }
 
 TEST(UdpSource, DropsAndCountsWhatIsLongerThanAnySensorPacket) {
