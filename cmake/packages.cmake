@@ -1,9 +1,9 @@
-# What is installed, and into which Debian package: slamd, slamd-dev, slamd-firmware, python3-slamd. Units, manual pages and
+# What is installed, and into which Debian package: slamd, libslamd0, slamd-dev, slamd-firmware, python3-slamd. Units, manual pages and
 # the firmware's image install themselves where they are made (systemd/, docs/man/, firmware/).
 
 find_package(nlohmann_json 3.11 REQUIRED)
 set(CPACK_GENERATOR DEB)
-set(CPACK_COMPONENTS_ALL daemon dev python)
+set(CPACK_COMPONENTS_ALL daemon client dev python)
 if(TARGET firmware)
   list(APPEND CPACK_COMPONENTS_ALL firmware)
 endif()
@@ -11,6 +11,7 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_OUTPUT_FILE_PREFIX ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own
 set(CPACK_PACKAGE_CONTACT "slamd developers <slamd@users.noreply.github.com>")
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
@@ -43,9 +44,13 @@ slamd_package(daemon slamd science "real-time LiDAR-inertial-GNSS SLAM daemon"
   SHLIBDEPS ON DEPENDS "systemd (>= 252)" RECOMMENDS "udev" SUGGESTS "slamd-firmware")
 list(TRANSFORM control_files PREPEND ${PROJECT_SOURCE_DIR}/cmake/debian/)
 set(CPACK_DEBIAN_DAEMON_PACKAGE_CONTROL_EXTRA ${control_files})
-slamd_package(dev slamd-dev libdevel "C++ client library of slamd"
-  "Headers, a static library, a CMake package and pkg-config of the client of\nthe daemon's socket and pose page."
-  DEPENDS "nlohmann-json3-dev (>= 3.11)")
+slamd_package(client libslamd0 libs "client library of slamd"
+  "The shared library of programs that ask the SLAM daemon slamd for pose and\nmap: client of its socket and pose page, with a C interface that stays."
+  SHLIBDEPS ON)
+set(CPACK_DEBIAN_CLIENT_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/debian/libslamd0/triggers)
+slamd_package(dev slamd-dev libdevel "client library of slamd, for programs to be made"
+  "Headers for C and C++, a CMake package, pkg-config and examples of the client\nof the daemon's socket and pose page."
+  DEPENDS "libslamd0 (= ${PROJECT_VERSION}-1), nlohmann-json3-dev (>= 3.11)")
 slamd_package(python python3-slamd python "Python client of slamd"
   "Blocking and asyncio clients of the daemon's socket, and its pose page."
   ARCHITECTURE all DEPENDS "python3 (>= 3.9)")
@@ -59,27 +64,22 @@ install(FILES tools/slamctl/slamctl.bash DESTINATION share/bash-completion/compl
 execute_process(COMMAND gzip -9 -n -c ${PROJECT_SOURCE_DIR}/CHANGELOG.md OUTPUT_FILE ${PROJECT_BINARY_DIR}/packages/changelog.gz)
 install(FILES ${PROJECT_BINARY_DIR}/packages/changelog.gz DESTINATION share/doc/slamd COMPONENT daemon)
 
-# The client library as one archive, its headers under the same paths as here.
-add_library(slamd_client_archive STATIC $<TARGET_OBJECTS:slamd_client> $<TARGET_OBJECTS:slamd_protocol>)
-set_target_properties(slamd_client_archive PROPERTIES OUTPUT_NAME slamd-client EXPORT_NAME client LINKER_LANGUAGE CXX)
-target_compile_features(slamd_client_archive INTERFACE cxx_std_20)
-target_link_libraries(slamd_client_archive INTERFACE nlohmann_json::nlohmann_json)
+# The client library with its headers.
+target_compile_features(slamd_shared INTERFACE cxx_std_20)
+target_include_directories(slamd_shared INTERFACE $<INSTALL_INTERFACE:include>)
+target_link_libraries(slamd_shared INTERFACE nlohmann_json::nlohmann_json)
 set(library_folder lib/${CMAKE_LIBRARY_ARCHITECTURE})
-install(TARGETS slamd_client_archive EXPORT slamdTargets DESTINATION ${library_folder} COMPONENT dev
-        INCLUDES DESTINATION include/slamd)
+install(TARGETS slamd_shared EXPORT slamdTargets LIBRARY DESTINATION ${library_folder} COMPONENT client
+        NAMELINK_COMPONENT dev)
 install(EXPORT slamdTargets NAMESPACE slamd:: DESTINATION ${library_folder}/cmake/slamd COMPONENT dev)
-configure_file(cmake/slamd-client.pc.in packages/slamd-client.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/packages/slamd-client.pc DESTINATION ${library_folder}/pkgconfig COMPONENT dev)
+install(DIRECTORY tools/client/include/slamd DESTINATION include COMPONENT dev FILES_MATCHING PATTERN "client.h*")
+install(DIRECTORY tools/client/example/ DESTINATION share/doc/slamd-dev/examples COMPONENT dev)
+configure_file(cmake/slamd.pc.in packages/slamd.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/packages/slamd.pc DESTINATION ${library_folder}/pkgconfig COMPONENT dev)
 include(CMakePackageConfigHelpers)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/packages/slamdConfigVersion.cmake COMPATIBILITY SameMajorVersion)
 install(FILES cmake/slamdConfig.cmake ${PROJECT_BINARY_DIR}/packages/slamdConfigVersion.cmake
         DESTINATION ${library_folder}/cmake/slamd COMPONENT dev)
-foreach(header tools/client/client.hpp daemon/server/protocol/pose_page.hpp daemon/server/protocol/protocol.hpp
-               daemon/ring/seqlock.hpp daemon/ring/unique_fd.hpp)
-  cmake_path(GET header PARENT_PATH folder)
-  install(FILES ${header} DESTINATION include/slamd/${folder} COMPONENT dev)
-endforeach()
-
 install(DIRECTORY tools/client/python/slamd DESTINATION lib/python3/dist-packages COMPONENT python
         FILES_MATCHING PATTERN "*.py" PATTERN py.typed PATTERN __pycache__ EXCLUDE)
 

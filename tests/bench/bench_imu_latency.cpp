@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
+#include <slamd/client.hpp>
 #include <unistd.h>
 
 #include <cstdio>
@@ -18,7 +19,6 @@
 #include "daemon/server/host_clock.hpp"
 #include "daemon/threads/pause.hpp"
 #include "tests/support/live_simulator.hpp"
-#include "tools/client/client.hpp"
 #include "tools/slam-sim/output/pty_port.hpp"
 
 namespace slamd {
@@ -65,7 +65,7 @@ class Relay {
  public:
   Relay(const std::string& from, const std::string& to) : to_{to}, from_path_{from} {}
 
-  void run(const std::stop_token& stop, PosePageReader& page, Histogram& latency) {
+  void run(const std::stop_token& stop, client::PosePage& page, Histogram& latency) {
     const HostTime begin = host_now();
     while (!stop.stop_requested()) {
       const std::size_t size = read_frame();
@@ -79,8 +79,8 @@ class Relay {
   }
 
  private:
-  static std::uint64_t sequence(const PosePageReader& page) {
-    const std::optional<PoseSample> newest = page.read();
+  static std::uint64_t sequence(const client::PosePage& page) {
+    const std::optional<client::Pose> newest = page.read();
     return newest ? newest->sequence : 0;
   }
 
@@ -114,7 +114,7 @@ int run(Duration length) {
     return 1;
   }
   client::Connection connection{folder.file("slamd.sock")};
-  PosePageReader page = connection.pose_page();
+  client::PosePage page = connection.pose_page();
   const auto frame_to_page = std::make_unique<Histogram>();
   const auto sleep = std::make_unique<Histogram>();
   {

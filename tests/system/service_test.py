@@ -75,7 +75,7 @@ class ServiceTest(unittest.TestCase):
         simulator = Simulator(cls.machine)
         cls.addClassCleanup(simulator.close)
         cls.machine.boot(simulator.devices)
-        cls.machine.install(PACKAGES, "slamd", "python3-slamd")
+        cls.machine.install(PACKAGES, "slamd", "python3-slamd", "libslamd0", "slamd-dev")
         cls.fresh = [cls.machine.call("systemctl", question, "slamd.service", "slamd.socket", check=False).stdout.split()
                      for question in ("is-enabled", "is-active")]
         cls.machine.write("/etc/systemd/system/slamd.service.d/bench.conf",
@@ -150,6 +150,15 @@ class ServiceTest(unittest.TestCase):
         self.assertLess(max(map(abs, pose["T_odom_base"]["translation_m"])), 0.2, "it stands where it started")
         refused = self.as_user("stranger", "slamctl", "pose", "--json")
         self.assertEqual((refused.returncode, refused.stdout), (3, ""))
+
+    def test_programs_made_with_the_installed_client_library_ask_the_service(self):
+        self.machine.call("cp", "-r", "/usr/share/doc/slamd-dev/examples", "/tmp/examples")
+        self.machine.call("cmake", "-S", "/tmp/examples", "-B", "/tmp/examples/build")
+        self.machine.call("cmake", "--build", "/tmp/examples/build")
+        told = self.as_user("driver", "/tmp/examples/build/follow").stdout.splitlines()
+        self.assertEqual([line.split()[1] for line in told], ["TRACKING"] * 11, told)
+        told = self.as_user("driver", "/tmp/examples/build/save_map", "/tmp/driver.ply")
+        self.assertRegex(told.stdout, r'^"TRACKING"\nx -?[0-9.e-]+ m\n[1-9][0-9]* points\n$')
 
     def test_a_client_that_has_the_pose_page_cannot_open_it_for_writing(self):
         answer = self.as_user("driver", "python3", "-c", OPEN_AGAIN_FOR_WRITING)

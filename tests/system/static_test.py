@@ -2,6 +2,7 @@
 
 import glob
 import os
+import re
 import shutil
 import subprocess
 import tempfile
@@ -91,15 +92,16 @@ class Packages(unittest.TestCase):
         self.assertEqual(len(found), 1, name)
         return found[0]
 
-    def unpack(self, name):
+    def unpack(self, *names):
         folder = tempfile.mkdtemp(prefix="slamd-package-")
         self.addCleanup(shutil.rmtree, folder)
-        self.assertEqual(run("dpkg-deb", "-x", self.package(name), folder).returncode, 0)
+        for name in names:
+            self.assertEqual(run("dpkg-deb", "-x", self.package(name), folder).returncode, 0)
         return folder
 
     def test_lintian_finds_no_error(self):
         need("lintian")
-        packages = [self.package(name) for name in ("slamd", "slamd-dev", "slamd-firmware", "python3-slamd")]
+        packages = [self.package(name) for name in ("slamd", "libslamd0", "slamd-dev", "slamd-firmware", "python3-slamd")]
         result = run("lintian", "--fail-on", "error", "--allow-root", *packages)
         self.assertEqual(result.returncode, 0, result.stdout)
 
@@ -108,26 +110,34 @@ class Packages(unittest.TestCase):
         result = run("/usr/bin/env", f"PYTHONPATH={folder}", "python3", "-B", "-c", "import slamd; print(slamd.__all__)")
         self.assertIn("PosePage", result.stdout)
 
-    def test_a_program_builds_with_the_client_library_by_pkg_config_and_by_cmake(self):
-        root = self.unpack("slamd-dev")
-        source = os.path.join(root, "main.cpp")
-        with open(source, "w", encoding="utf-8") as file:
-            file.write('#include <tools/client/client.hpp>\n#include <cstdio>\nint main() try {\n'
-                       '  slamd::client::Connection daemon{"/nowhere"};\n} catch (const slamd::client::ClientError& error) {\n'
-                       '  std::puts("nobody there");\n  return error.code() == slamd::client::ClientError::kNoConnection ? 0 : 1;\n}\n')
+    def test_the_library_exports_what_its_header_says_and_nothing_else(self):
+        root = self.unpack("libslamd0", "slamd-dev")
+        library = glob.glob(os.path.join(root, "usr/lib/*/libslamd.so.0"))[0]
+        exported = run("nm", "-D", "--defined-only", "--format=posix", library).stdout.splitlines()
+        with open(os.path.join(root, "usr/include/slamd/client.h"), encoding="utf-8") as header:
+            declared = set(re.findall(r"^[a-z].*?\b(slamd_\w+)\(", header.read(), re.MULTILINE))
+        self.assertEqual({line.split("@")[0] for line in exported if "@@SLAMD_0" in line}, declared)
+        self.assertEqual(len(exported), len(declared) + 1, "the version's own symbol besides")
+        self.assertGreater(len(declared), 10)
+
+    def test_the_examples_build_by_pkg_config_and_by_cmake(self):
+        root = self.unpack("libslamd0", "slamd-dev")
         libraries = glob.glob(os.path.join(root, "usr/lib/*"))[0]
+        examples = os.path.join(root, "usr/share/doc/slamd-dev/examples")
         flags = run("env", f"PKG_CONFIG_PATH={libraries}/pkgconfig", "pkg-config", f"--define-variable=prefix={root}/usr",
-                    "--cflags", "--libs", "slamd-client").stdout.split()
-        result = run("g++", "-std=c++20", source, *flags, "-o", os.path.join(root, "by_pkg_config"))
-        self.assertEqual(result.returncode, 0, result.stdout)
-        with open(os.path.join(root, "CMakeLists.txt"), "w", encoding="utf-8") as file:
-            file.write("cmake_minimum_required(VERSION 3.25)\nproject(by_cmake CXX)\nfind_package(slamd 0.1 REQUIRED)\n"
-                       "add_executable(by_cmake main.cpp)\ntarget_link_libraries(by_cmake slamd::client)\n")
-        for command in (("-S", root, "-B", f"{root}/build", f"-Dslamd_DIR={libraries}/cmake/slamd"), ("--build", f"{root}/build")):
-            result = run("cmake", *command)
+                    "--cflags", "--libs", "slamd").stdout.split()
+        for command in (("cc", "-std=c99", "-pedantic-errors", "-Wall", "-Werror", f"{examples}/follow.c", *flags,
+                         "-o", f"{root}/follow"),
+                        ("c++", "-std=c++20", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"{examples}/save_map.cpp", *flags,
+                         "-o", f"{root}/save_map"),
+                        ("cmake", "-S", examples, "-B", f"{root}/build", f"-Dslamd_DIR={libraries}/cmake/slamd"),
+                        ("cmake", "--build", f"{root}/build")):
+            result = run(*command)
             self.assertEqual(result.returncode, 0, result.stdout)
-        for program in ("by_pkg_config", "build/by_cmake"):
-            self.assertEqual(run(os.path.join(root, program)).stdout, "nobody there\n")
+        for program in ("follow", "build/follow", "save_map map.ply", "build/save_map map.ply"):
+            result = run("env", f"LD_LIBRARY_PATH={libraries}", *f"{root}/{program} /none/slamd.sock".split())
+            self.assertEqual(result.returncode, 1)
+            self.assertIn("/none/slamd.sock: No such file or directory", result.stdout)
 
 
 if __name__ == "__main__":

@@ -4,16 +4,73 @@ import asyncio
 import json
 import os
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+import zipfile
 
-SOURCE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
-sys.path.insert(0, os.path.join(SOURCE, "tools", "client", "python"))
+NUMPY_SCRIPT = """
+import sys
+import slamd
+with slamd.Client(sys.argv[1]) as daemon:
+    page = daemon.pose_page()
+    view = page.view()
+    first, sample = int(view["sequence"]), page.read()
+    while int(view["sequence"]) == first: pass
+    assert view["covariance"].shape == (6, 6) and view["covariance"][5, 5] == 0.01 == sample.covariance[35]
+    assert view["map_position_m"][1:].tolist() == [2.0, 3.0] and view["map_corrections"] == sample.map_corrections
+    assert not view.flags.writeable and not view.flags.owndata
+    with daemon.map_view(voxel_size_m=0.5) as cloud:
+        rows = cloud.rows()
+        assert rows.shape == (len(cloud), 4) and not rows.flags.writeable and not rows.flags.owndata
+        assert bytes(cloud.memory()) == rows.tobytes()
+        assert sorted(set((rows[:, 0] % 1.0).tolist())) == [0.5], "points are 0.5 m off whole metres"
+        del rows
+    print(len(daemon.call("get_trajectory")["poses"]), "seen")
+"""
+
+SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+DEBIAN_PYTHON = "/usr/bin/python3"
+PYTHON_CLIENT = os.path.join(SOURCE, "tools", "client", "python")
+sys.path.insert(0, PYTHON_CLIENT)
 
 import slamd  # noqa: E402
+
+
+def has_numpy(python):
+    return shutil.which(python) is not None and subprocess.run([python, "-c", "import numpy"], capture_output=True).returncode == 0
+
+
+class Types(unittest.TestCase):
+    def test_the_type_hints_are_strict(self):
+        if shutil.which("mypy") is None:
+            self.skipTest("no mypy")
+        done = subprocess.run(["mypy", "--strict", "--cache-dir", os.devnull, "slamd"], cwd=PYTHON_CLIENT, capture_output=True,
+                              text=True, timeout=120)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+
+class Wheel(unittest.TestCase):
+    def test_it_is_made_without_a_download_and_holds_the_client(self):
+        """By Debian's own pip; in a copy, since setuptools writes beside its sources."""
+        probe = [DEBIAN_PYTHON, "-c", "import setuptools, pip, wheel"]
+        if shutil.which(DEBIAN_PYTHON) is None or subprocess.run(probe, capture_output=True).returncode != 0:
+            self.skipTest("no python3-pip, python3-setuptools, python3-wheel")
+        folder = tempfile.mkdtemp(prefix="slamd_wheel_")
+        self.addCleanup(shutil.rmtree, folder)
+        source = shutil.copytree(PYTHON_CLIENT, os.path.join(folder, "source"))
+        done = subprocess.run([DEBIAN_PYTHON, "-m", "pip", "wheel", "--no-index", "--no-deps", "--no-build-isolation",
+                               "--wheel-dir", folder, source], capture_output=True, text=True, timeout=240)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        wheel = os.path.join(folder, "slamd-0.1.0-py3-none-any.whl")
+        with zipfile.ZipFile(wheel) as files:
+            self.assertIn("slamd/py.typed", files.namelist())
+        done = subprocess.run([sys.executable, "-c", "import slamd; print(slamd.__file__)"], capture_output=True, text=True,
+                              env={**os.environ, "PYTHONPATH": wheel}, timeout=60)
+        self.assertIn(wheel, done.stdout)
 
 
 class WithServer(unittest.TestCase):
@@ -91,6 +148,38 @@ class BlockingClient(WithServer):
                 daemon.call("get_status")
 
 
+    def test_page_and_map_are_seen_where_they_lie_without_numpy(self):
+        with slamd.Client(self.path) as daemon:
+            page = daemon.pose_page()
+            memory = page.memory()
+            before = page.lock()
+            while page.lock() == before:
+                pass
+            self.assertTrue(memory.readonly)
+            self.assertGreater(struct.unpack_from("<Q", memory, 16)[0], 1, "sequence")
+            with daemon.map_view(voxel_size_m=0.5) as cloud:
+                self.assertEqual((len(cloud), cloud.told["points"]), (5000, 5000))
+                points = cloud.memory()
+                self.assertTrue(points.readonly)
+                self.assertEqual(struct.unpack_from("<f", points, 16 * 4999)[0] % 1.0, 0.5)
+                points.release()
+
+    def test_page_and_map_are_numpy_arrays_without_a_copy(self):
+        python = next((python for python in (sys.executable, "/usr/bin/python3") if has_numpy(python)), None)
+        if python is None:
+            self.skipTest("no numpy (python3-numpy)")
+        done = subprocess.run([python, "-c", NUMPY_SCRIPT, self.path], capture_output=True, text=True, timeout=120,
+                              env={**os.environ, "PYTHONPATH": PYTHON_CLIENT})
+        self.assertEqual((done.returncode, done.stdout), (0, "100 seen\n"), done.stderr)
+
+    def test_descriptors_that_nobody_took_are_closed(self):
+        with slamd.Client(self.path) as daemon:
+            before = len(os.listdir("/proc/self/fd"))
+            for _ in range(3):
+                daemon.call("get_pose_page")
+            self.assertEqual(len(os.listdir("/proc/self/fd")), before)
+
+
 class AsynchronousClient(WithServer):
     def test_overlapping_calls_poses_and_map(self):
         async def use():
@@ -106,6 +195,8 @@ class AsynchronousClient(WithServer):
             result, ply = await daemon.map_bytes(format="ply")
             self.assertEqual(len(ply), result["bytes"])
             self.assertGreater((await daemon.pose_page()).read().sequence, 0)
+            self.assertEqual(len(await daemon.map_view(voxel_size_m=0.5)), 5000)
+            self.assertEqual(daemon.version["protocol"], 1)
             with self.assertRaises(slamd.RpcError):
                 await daemon.call("get_map", voxel_size_m=0)
             daemon.close()

@@ -1,168 +1,177 @@
-#include "tools/client/client.hpp"
+#include <slamd/client.h>
 
-#include <fcntl.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-
+#include <bit>
 #include <cerrno>
+#include <chrono>
+#include <cstddef>
 #include <cstring>
+#include <new>
+#include <optional>
+#include <string>
 #include <utility>
 
-namespace slamd::client {
+#include "daemon/server/protocol/pose_page.hpp"
+#include "daemon/server/protocol/protocol.hpp"
+#include "estimator/types/nav_state.hpp"
+#include "tools/client/save_fd.hpp"
+#include "tools/client/session.hpp"
+
+struct slamd_connection {
+  slamd::client::Session session;
+  std::string version;
+  std::string text;   // what the newest answer points to
+  std::string topic;
+};
+
+struct slamd_page {
+  slamd::PosePageReader reader;
+};
+
 namespace {
 
+using namespace slamd;
+using client::Failure;
 using nlohmann::json;
 
-constexpr std::size_t kLongestLine = 16 * 1024 * 1024;
-constexpr std::size_t kMostNotifications = 10'000;
+static_assert(sizeof(slamd_pose) == sizeof(PoseSample));
+static_assert(offsetof(slamd_pose, map_position_m) == offsetof(PoseSample, map_position_m));
+static_assert(offsetof(slamd_pose, velocity_mps) == offsetof(PoseSample, velocity_mps));
+static_assert(offsetof(slamd_pose, covariance) == offsetof(PoseSample, covariance));
+static_assert(offsetof(slamd_pose, status) == offsetof(PoseSample, status));
+static_assert(offsetof(slamd_pose, map_corrections) == offsetof(PoseSample, map_corrections));
+static_assert(SLAMD_UTC_OFFSET_UNKNOWN == kUtcOffsetUnknown);
 
-std::string errno_text() { return std::strerror(errno); }
+thread_local std::string last_error;
+
+int failed(int code, const char* text) noexcept {
+  try {
+    last_error = text;
+  } catch (...) {
+    last_error.clear();
+  }
+  return code;
+}
+
+/// Runs what may throw; no exception leaves the C interface.
+template <class Body>
+int guarded(const Body& body) noexcept {
+  try {
+    body();
+    return SLAMD_OK;
+  } catch (const Failure& failure) {
+    return failed(failure.code(), failure.what());
+  } catch (const json::exception& error) {
+    return failed(SLAMD_PROTOCOL, error.what());
+  } catch (const std::exception& error) {
+    return failed(SLAMD_SYSTEM, error.what());
+  } catch (...) {
+    return failed(SLAMD_SYSTEM, "unknown");
+  }
+}
+
+void need(bool argument, const char* what) {
+  if (!argument) throw Failure{SLAMD_USAGE, what};
+}
+
+json params_of(const slamd_request& request) {
+  json params = request.params_json == nullptr ? json::object() : json::parse(request.params_json, nullptr, false);
+  need(params.is_object(), "params_json is not a JSON object");
+  return params;
+}
+
+client::Session::OnProgress progress_of(const slamd_request& request) {
+  if (request.on_progress == nullptr) return {};
+  return [&request](const json& params) { request.on_progress(request.user, params.dump().c_str()); };
+}
 
 }  // namespace
 
-Connection::Connection(const std::string& socket_path, Patience patience) : patience_{patience} {
-  connect(socket_path);
-  version_ = call(protocol::method::kVersion, {{"protocol", protocol::kVersion}}).result;
+const char* slamd_last_error(void) { return last_error.c_str(); }
+
+int slamd_connect(const char* socket_path, int timeout_ms, slamd_connection** connection) {
+  return guarded([&] {
+    need(connection != nullptr && timeout_ms > 0, "connection is NULL, or timeout_ms not positive");
+    client::Session session{socket_path != nullptr ? socket_path : protocol::kDefaultSocketPath,
+                            std::chrono::milliseconds{timeout_ms}};
+    std::string version = session.version().dump();
+    *connection = new slamd_connection{std::move(session), std::move(version), {}, {}};
+  });
 }
 
-void Connection::connect(const std::string& socket_path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (socket_path.size() >= sizeof address.sun_path) {
-    throw ClientError{ClientError::kNoConnection, socket_path + ": too long for a socket's path"};
-  }
-  socket_path.copy(address.sun_path, sizeof address.sun_path - 1);
-  socket_ = UniqueFd{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)};
-  if (::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    throw ClientError{ClientError::kNoConnection, socket_path + ": " + errno_text()};
-  }
+void slamd_disconnect(slamd_connection* connection) { delete connection; }
+
+const char* slamd_version(const slamd_connection* connection) { return connection->version.c_str(); }
+
+int slamd_call(slamd_connection* connection, const slamd_request* request, slamd_answer* answer) {
+  return guarded([&] {
+    need(connection != nullptr && request != nullptr && request->method != nullptr && answer != nullptr, "an argument is NULL");
+    client::Session::Reply reply = connection->session.call(request->method, params_of(*request), progress_of(*request));
+    connection->text = reply.result.dump();
+    *answer = {connection->text.c_str(), reply.fd.release()};
+  });
 }
 
-Answer Connection::call(const std::string& method, json params, const OnProgress& on_progress) {
-  const std::int64_t id = ++last_id_;
-  send(json{{"jsonrpc", "2.0"}, {"id", id}, {"method", method}, {"params", std::move(params)}}.dump() + '\n');
-  while (true) {
-    json message = receive_line();
-    if (message.contains("method")) {
-      const bool is_progress = message["method"] == protocol::notification::kProgress;
-      is_progress && on_progress ? on_progress(message["params"]) : keep(message);
-      continue;
-    }
-    if (const auto error = message.find("error"); error != message.end()) {
-      throw ClientError{error->value("code", ClientError::kProtocol), error->value("message", "error")};
-    }
-    if (message.value("id", json{}) != id || !message.contains("result")) continue;  // of a call given up before
-    Answer answer{std::move(message["result"]), {}};
-    const bool has_fd = answer.result.is_object() && answer.result.value(protocol::kFdField, false);
-    if (has_fd) answer.fd = take_fd();
-    return answer;
-  }
+int slamd_subscribe(slamd_connection* connection, const char* topic, double rate_hz) {
+  return guarded([&] {
+    need(connection != nullptr && topic != nullptr, "an argument is NULL");
+    connection->session.call(protocol::method::kSubscribe, {{"topic", topic}, {"rate_hz", rate_hz}});
+  });
 }
 
-void Connection::subscribe(const std::string& topic, double rate_hz) {
-  call(protocol::method::kSubscribe, {{"topic", topic}, {"rate_hz", rate_hz}});
+int slamd_unsubscribe(slamd_connection* connection, const char* topic) {
+  return guarded([&] {
+    need(connection != nullptr && topic != nullptr, "an argument is NULL");
+    connection->session.call(protocol::method::kUnsubscribe, {{"topic", topic}});
+  });
 }
 
-void Connection::unsubscribe(const std::string& topic) { call(protocol::method::kUnsubscribe, {{"topic", topic}}); }
-
-Notification Connection::next() {
-  while (notifications_.empty()) keep(receive_line());
-  Notification notification = std::move(notifications_.front());
-  notifications_.pop_front();
-  return notification;
+int slamd_next(slamd_connection* connection, const char** topic, const char** params_json) {
+  return guarded([&] {
+    need(connection != nullptr && topic != nullptr && params_json != nullptr, "an argument is NULL");
+    const json notification = connection->session.next();
+    connection->topic = notification["method"].get<std::string>();
+    connection->text = notification["params"].dump();
+    *topic = connection->topic.c_str();
+    *params_json = connection->text.c_str();
+  });
 }
 
-PosePageReader Connection::pose_page() {
-  const Answer answer = call(protocol::method::kGetPosePage);
-  std::optional<PosePageReader> page = PosePageReader::map(answer.fd.get());
-  if (!page) throw ClientError{ClientError::kProtocol, "the pose page is of a version that this client does not know"};
-  return *std::move(page);
+int slamd_next_pose(slamd_connection* connection, slamd_pose* pose) {
+  return guarded([&] {
+    need(connection != nullptr && pose != nullptr, "an argument is NULL");
+    *pose = std::bit_cast<slamd_pose>(client::pose_of(connection->session.next(protocol::notification::kPose)["params"]));
+  });
 }
 
-void Connection::keep(const json& message) {
-  if (!message.contains("method") || !message["method"].is_string()) return;
-  if (notifications_.size() == kMostNotifications) notifications_.pop_front();
-  notifications_.push_back({message["method"].get<std::string>(), message.value("params", json::object())});
+int slamd_open_page(slamd_connection* connection, slamd_page** page) {
+  return guarded([&] {
+    need(connection != nullptr && page != nullptr, "an argument is NULL");
+    const client::Session::Reply reply = connection->session.call(protocol::method::kGetPosePage, json::object());
+    std::optional<PosePageReader> reader = PosePageReader::map(reply.fd.get());
+    if (!reader) throw Failure{SLAMD_PROTOCOL, "the pose page is of a version that this client does not know"};
+    *page = new slamd_page{*std::move(reader)};
+  });
 }
 
-UniqueFd Connection::take_fd() {
-  if (fds_.empty()) throw ClientError{ClientError::kProtocol, "the answer came without its file descriptor"};
-  UniqueFd fd = std::move(fds_.front());
-  fds_.pop_front();
-  return fd;
+void slamd_close_page(slamd_page* page) { delete page; }
+
+int slamd_read_page(const slamd_page* page, slamd_pose* pose) {
+  const std::optional<PoseSample> sample = page->reader.read();
+  if (sample) std::memcpy(pose, &*sample, sizeof *pose);
+  return sample ? 1 : 0;
 }
 
-void Connection::send(const std::string& line) {
-  for (std::size_t sent = 0; sent < line.size();) {
-    const ssize_t count = ::send(socket_.get(), line.data() + sent, line.size() - sent, MSG_NOSIGNAL);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) throw ClientError{ClientError::kNoConnection, "the daemon has hung up: " + errno_text()};
-    sent += static_cast<std::size_t>(count);
-  }
-}
+uint32_t slamd_page_starts(const slamd_page* page) { return page->reader.starts(); }
 
-json Connection::receive_line() {
-  std::size_t end = std::string::npos;
-  while ((end = received_.find('\n', scanned_)) == std::string::npos) {
-    scanned_ = received_.size();
-    if (scanned_ > kLongestLine) throw ClientError{ClientError::kProtocol, "endless line from the daemon"};
-    receive_bytes();
-  }
-  json message = json::parse(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(end), nullptr, false);
-  received_.erase(0, end + 1);
-  scanned_ = 0;
-  if (!message.is_object()) throw ClientError{ClientError::kProtocol, "the daemon sent what is not JSON-RPC"};
-  return message;
-}
+const char* slamd_status_name(uint32_t status) { return name(static_cast<TrackingStatus>(status)); }
 
-void Connection::receive_bytes() {
-  pollfd state{.fd = socket_.get(), .events = POLLIN, .revents = 0};
-  const int ready = ::poll(&state, 1, static_cast<int>(patience_.count()));
-  if (ready < 0 && errno == EINTR) return;
-  if (ready <= 0) throw ClientError{ClientError::kTimeout, "no answer from the daemon in time"};
-  char bytes[16384];
-  iovec part{.iov_base = bytes, .iov_len = sizeof bytes};
-  alignas(cmsghdr) char control[CMSG_SPACE(sizeof(int))];
-  msghdr message{};
-  message.msg_iov = &part;
-  message.msg_iovlen = 1;
-  message.msg_control = control;
-  message.msg_controllen = sizeof control;
-  const ssize_t count = ::recvmsg(socket_.get(), &message, MSG_CMSG_CLOEXEC);
-  if (count < 0 && errno == EINTR) return;
-  if (count <= 0) throw ClientError{ClientError::kNoConnection, "the daemon has hung up"};
-  const cmsghdr* header = CMSG_FIRSTHDR(&message);
-  if (header != nullptr && header->cmsg_level == SOL_SOCKET && header->cmsg_type == SCM_RIGHTS) {
-    int fd = -1;
-    std::memcpy(&fd, CMSG_DATA(header), sizeof fd);
-    fds_.emplace_back(fd);
-  }
-  received_.append(bytes, static_cast<std::size_t>(count));
-}
+const char* slamd_reason_name(uint32_t bit) { return name(static_cast<StatusReason>(bit)); }
 
-void save_fd(int fd, const std::string& path, const std::function<void(std::size_t bytes)>& on_bytes) {
-  const auto fail = [&path](const std::string& text) {
-    throw ClientError{protocol::error::kWriteFailed, path + ": " + text};
-  };
-  constexpr mode_t kMode = 0644;
-  const std::string temporary = path + ".part";
-  UniqueFd file{::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kMode)};
-  if (!file) fail(errno_text());
-  char bytes[65536];
-  off_t offset = 0;
-  ssize_t count = 0;
-  while ((count = ::pread(fd, bytes, sizeof bytes, offset)) > 0) {
-    const ssize_t written = ::write(file.get(), bytes, static_cast<std::size_t>(count));
-    if (written <= 0) break;
-    offset += written;
-    if (on_bytes) on_bytes(static_cast<std::size_t>(offset));
-  }
-  const bool whole = count == 0 && ::fsync(file.get()) == 0 && ::rename(temporary.c_str(), path.c_str()) == 0;
-  if (whole) return;
-  const std::string reason = errno_text();
-  ::unlink(temporary.c_str());
-  fail(reason);
+int slamd_save_fd(int fd, const char* path, slamd_bytes_fn on_bytes, void* user) {
+  return guarded([&] {
+    need(fd >= 0 && path != nullptr, "no descriptor or no path");
+    client::save_fd(fd, path, [&](std::size_t bytes) {
+      if (on_bytes != nullptr) on_bytes(user, bytes);
+    });
+  });
 }
-
-}  // namespace slamd::client

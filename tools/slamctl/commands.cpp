@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <iostream>
 
+#include "daemon/server/protocol/protocol.hpp"
 #include "tools/slamctl/daemon_findings.hpp"
 #include "tools/slamctl/metrics.hpp"
 #include "tools/slamctl/text.hpp"

@@ -1,12 +1,13 @@
 #pragma once
 // What each subcommand of slamctl does with its options. The command line itself is in main.cpp.
 
+#include <slamd/client.hpp>
+
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "daemon/doctor/doctor.hpp"
-#include "tools/client/client.hpp"
 
 namespace slamd::slamctl {
 

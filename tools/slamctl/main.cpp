@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "daemon/server/protocol/protocol.hpp"
 #include "tools/slamctl/commands.hpp"
 
 namespace {

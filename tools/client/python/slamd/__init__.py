@@ -1,4 +1,5 @@
-"""Python client of slamd's socket: standard library only, blocking (Client) and asyncio (AsyncClient).
+"""Python client of slamd's socket: blocking (Client) and asyncio (AsyncClient). Standard library only; numpy, where it is
+there, sees the pose page and maps without a copy.
 
     from slamd import Client
     with Client() as daemon:
@@ -10,6 +11,7 @@
 from ._async import AsyncClient
 from ._client import Client
 from ._errors import ConnectionLost, RpcError, SlamdError
+from ._map_view import MapView
 from ._pose_page import PosePage, PoseSample
 
-__all__ = ["AsyncClient", "Client", "ConnectionLost", "PosePage", "PoseSample", "RpcError", "SlamdError"]
+__all__ = ["AsyncClient", "Client", "ConnectionLost", "MapView", "PosePage", "PoseSample", "RpcError", "SlamdError"]

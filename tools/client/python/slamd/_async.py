@@ -2,11 +2,13 @@
 
 import asyncio
 import socket
-from typing import Any, AsyncIterator, Dict, Optional, Tuple
+from types import TracebackType
+from typing import Any, AsyncIterator, Dict, Optional, Tuple, Type
 
 from ._errors import ConnectionLost, SlamdError
+from ._map_view import MapView
 from ._pose_page import PosePage
-from ._wire import DEFAULT_SOCKET, MAX_FDS, PROTOCOL_VERSION, Wire, read_fd, result_of
+from ._wire import DEFAULT_SOCKET, MAX_FDS, PROTOCOL_VERSION, Wire, close_fd, read_fd, result_of
 
 _MOST_NOTIFICATIONS = 1000
 
@@ -21,6 +23,7 @@ class AsyncClient:
         self._calls: Dict[int, "asyncio.Future[Tuple[Any, Optional[int]]]"] = {}
         self._notifications: "asyncio.Queue[Optional[Dict[str, Any]]]" = asyncio.Queue()
         self._lost: Optional[SlamdError] = None
+        self.version: Dict[str, Any] = {}
         self._loop.add_reader(connected.fileno(), self._readable)
 
     @classmethod
@@ -34,20 +37,23 @@ class AsyncClient:
             raise ConnectionLost(f"{path}: {error}") from error
         client = cls(connected)
         try:
-            await client.call("version", protocol=PROTOCOL_VERSION)
+            client.version = await client.call("version", protocol=PROTOCOL_VERSION)
         except SlamdError:
             client.close()
             raise
         return client
 
     async def call(self, method: str, **params: Any) -> Any:
-        return (await self.call_with_fd(method, **params))[0]
+        """The result of one request. For results with a descriptor use call_with_fd."""
+        result, fd = await self.call_with_fd(method, **params)
+        close_fd(fd)
+        return result
 
     async def call_with_fd(self, method: str, **params: Any) -> Tuple[Any, Optional[int]]:
         if self._lost:
             raise self._lost
         request_id, line = self._wire.request(method, params)
-        answer = self._loop.create_future()
+        answer: "asyncio.Future[Tuple[Any, Optional[int]]]" = self._loop.create_future()
         self._calls[request_id] = answer
         try:
             await self._loop.sock_sendall(self._socket, line)
@@ -77,8 +83,22 @@ class AsyncClient:
         result, fd = await self.call_with_fd("get_map", **params)
         return result, read_fd(fd) if fd is not None else b""
 
+    async def map_view(self, **params: Any) -> MapView:
+        """The map's points where the daemon put them, without a copy; params as of get_map, but the format."""
+        result, fd = await self.call_with_fd("get_map", format="ply", **params)
+        if fd is None:
+            raise SlamdError("the map came without its file descriptor")
+        return MapView(result, fd)
+
     def close(self) -> None:
         self._fail(ConnectionLost("closed"))
+
+    async def __aenter__(self) -> "AsyncClient":
+        return self
+
+    async def __aexit__(self, kind: Optional[Type[BaseException]], value: Optional[BaseException],
+                        trace: Optional[TracebackType]) -> None:
+        self.close()
 
     def _readable(self) -> None:
         try:
@@ -103,9 +123,11 @@ class AsyncClient:
         answer = self._calls.get(message.get("id") or 0)
         try:
             result = result_of(message)
-            outcome = (result, self._wire.take_fd(result))
+            fd = self._wire.take_fd(result)
             if answer and not answer.done():
-                answer.set_result(outcome)
+                answer.set_result((result, fd))
+            else:
+                close_fd(fd)
         except SlamdError as error:
             if answer and not answer.done():
                 answer.set_exception(error)

@@ -6,8 +6,9 @@ from types import TracebackType
 from typing import Any, Deque, Dict, Iterator, Optional, Tuple, Type
 
 from ._errors import ConnectionLost, SlamdError
+from ._map_view import MapView
 from ._pose_page import PosePage
-from ._wire import DEFAULT_SOCKET, MAX_FDS, PROTOCOL_VERSION, Wire, read_fd, result_of
+from ._wire import DEFAULT_SOCKET, MAX_FDS, PROTOCOL_VERSION, Wire, close_fd, read_fd, result_of
 
 _MOST_NOTIFICATIONS = 10_000
 
@@ -33,7 +34,9 @@ class Client:
 
     def call(self, method: str, **params: Any) -> Any:
         """The result of one request. For results with a descriptor use call_with_fd."""
-        return self.call_with_fd(method, **params)[0]
+        result, fd = self.call_with_fd(method, **params)
+        close_fd(fd)
+        return result
 
     def call_with_fd(self, method: str, **params: Any) -> Tuple[Any, Optional[int]]:
         """The result and the descriptor that came with it, which is then the caller's to close."""
@@ -78,6 +81,13 @@ class Client:
         """get_map: what the daemon says of the map, and the PCD or PLY file itself."""
         result, fd = self.call_with_fd("get_map", **params)
         return result, read_fd(fd) if fd is not None else b""
+
+    def map_view(self, **params: Any) -> MapView:
+        """The map's points where the daemon put them, without a copy; params as of get_map, but the format."""
+        result, fd = self.call_with_fd("get_map", format="ply", **params)
+        if fd is None:
+            raise SlamdError("the map came without its file descriptor")
+        return MapView(result, fd)
 
     def trajectory_tum(self) -> str:
         """The whole path as TUM text."""

@@ -53,6 +53,11 @@ def result_of(message: Dict[str, Any]) -> Any:
     return message["result"]
 
 
+def close_fd(fd: Optional[int]) -> None:
+    if fd is not None:
+        os.close(fd)
+
+
 def read_fd(fd: int) -> bytes:
     """All of a descriptor's content, which is then closed."""
     with os.fdopen(fd, "rb") as file:
