@@ -44,7 +44,7 @@ int main(int argc, char** argv) {
   if (!publisher) return 1;
   PosePublisher pose = std::move(publisher).value();
   fill(map, trajectory);
-  Server server{{.socket_path = argv[1], .save_dir = argv[2], .limits = {}}, {pose, map, trajectory, health}, "0.0.1"};
+  Server server{{.socket_path = argv[1], .save_dir = argv[2], .control_group = "", .limits = {}}, {pose, map, trajectory, health}, "0.0.1"};
   if (const Result<void> started = server.start(); !started) {
     std::fprintf(stderr, "%s\n", started.reason());
     return 1;
