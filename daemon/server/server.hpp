@@ -29,7 +29,7 @@ struct ServerLimits {
 struct ServerConfig {
   std::string socket_path = "/run/slamd/slamd.sock";
   std::string save_dir = "/var/lib/slamd/maps";   // save_map writes here and nowhere else
-  std::string control_group;  // its members may call methods that write; empty: whoever may connect
+  std::string control_group{};  // its members may call methods that write; empty: whoever may connect
   ServerLimits limits;
 };
 
