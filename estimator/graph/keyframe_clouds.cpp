@@ -28,6 +28,8 @@ Submap KeyframeClouds::submap(const OdometryChain& chain, std::size_t centre, st
   result.T_level_base = T_odom_level.inverse() * chain.T_odom_base(centre);
   const std::size_t first = centre > behind ? centre - behind : 0;
   const std::size_t last = std::min(centre + ahead, size() - 1);
+  result.middle = (first + last) / 2;
+  result.T_level_middle = T_odom_level.inverse() * chain.T_odom_base(result.middle);
   for (std::size_t i = first; i <= last; ++i) {
     const Pose T_level_base = T_odom_level.inverse() * chain.T_odom_base(i);
     const Eigen::Matrix3f R = T_level_base.rotation.toRotationMatrix().cast<float>();

@@ -22,6 +22,8 @@ struct KeyframeCloudsConfig {
 struct Submap {
   std::size_t centre = 0;
   Pose T_level_base;                         // of the centre
+  std::size_t middle = 0;                    // of its keyframes: not the centre where a drive begins or ends
+  Pose T_level_middle;                       // its base
   std::vector<Eigen::Vector3f> points;       // level frame, metres
   std::vector<Eigen::Vector3f> viewpoints;   // where the LiDAR stood, level frame, metres, one a keyframe
   std::vector<std::uint32_t> first_points;   // index of each viewpoint's first point

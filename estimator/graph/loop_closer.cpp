@@ -34,11 +34,12 @@ double horizontal_sigma_m(const Matrix6d& covariance) {
   return std::sqrt(std::max(0.0, xy.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff()));
 }
 
-/// The closure of the bases from the match of the level frames.
+/// Of the keyframes in the middle of the sub-maps: a match says where sub-maps lie, and a keyframe at the edge of one is
+/// tied to it by all the odometry in between.
 LoopClosure closure_of(const Submap& target, const Submap& source, const RelativePose& T_target_source) {
-  const RelativePose T_from_to = RelativePose{target.T_level_base.inverse()} * T_target_source *
-                                 RelativePose{source.T_level_base};
-  return {target.centre, source.centre, T_from_to.T_a_b, T_from_to.covariance};
+  const RelativePose T_from_to = RelativePose{target.T_level_middle.inverse()} * T_target_source *
+                                 RelativePose{source.T_level_middle};
+  return {target.middle, source.middle, T_from_to.T_a_b, T_from_to.covariance};
 }
 
 }  // namespace
@@ -212,7 +213,7 @@ LoopStage LoopCloser::verify(const GraphView& view, Candidate& candidate) {
       target_surfaces, choose_points(source.points, source_surfaces, config_.registration.max_points),
       spatial(candidate.T_from_to, candidate.height_m), config_.registration);
   report.fitness = match.inlier_share;
-  report.T_from_to = closure_of(target, source, match.T_target_source).T_from_to;
+  report.T_from_to = target.T_level_base.inverse() * match.T_target_source.T_a_b * source.T_level_base;
   if (!match.converged || match.inlier_share < config_.min_fitness) return ends(LoopStage::kRegistration);
   report.overlap = match.overlap;
   if (match.overlap < config_.min_overlap) return ends(LoopStage::kOverlap);

@@ -4,6 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 namespace slamd {
 
@@ -114,10 +116,27 @@ Matrix6d covariance_of(const NormalEquations& equations, const SubmapRegistratio
   return covariance;
 }
 
+/// At least as many as the points have voxels: the map takes all its memory at once, and points share voxels.
+std::uint32_t voxels_of(std::span<const Eigen::Vector3f> points, float voxel_size_m) {
+  constexpr std::size_t kMost = 100'000;
+  constexpr std::size_t kMargin = 64;  // for points on the edge of two, which rounding may count as one
+  const auto along = [&](float coordinate) {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(coordinate / voxel_size_m))) & 0x1F'FFFFU;
+  };
+  std::vector<std::uint64_t> voxels;
+  voxels.reserve(points.size());
+  for (const Eigen::Vector3f& p : points) voxels.push_back(along(p.x()) << 42U | along(p.y()) << 21U | along(p.z()));
+  std::ranges::sort(voxels);
+  voxels.erase(std::ranges::unique(voxels).begin(), voxels.end());
+  return static_cast<std::uint32_t>(std::min(voxels.size() + voxels.size() / 64 + kMargin, kMost));
+}
+
 }  // namespace
 
 PlaneMap surfaces(std::span<const Eigen::Vector3f> points) {
-  PlaneMap map{PlaneMapConfig{.max_voxels = 100'000, .max_voxel_weight = 1'000}};
+  PlaneMapConfig config{.max_voxel_weight = 1'000};
+  config.max_voxels = voxels_of(points, config.voxel_size_m);
+  PlaneMap map{config};
   for (const Eigen::Vector3f& p : points) map.insert(p);
   return map;
 }

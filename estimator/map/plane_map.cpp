@@ -36,7 +36,7 @@ PlaneMap::PlaneMap(const PlaneMapConfig& config)
       reach_m_{config.max_distance_m},
       tree_{IkdTreeConfig{.voxel_size_m = config.voxel_size_m, .max_points = config.max_voxels}},
       moments_(config.max_voxels),
-      planes_(kCachedPlanes) {}
+      planes_(std::min<std::size_t>(config.max_voxels, kCachedPlanes)) {}
 
 void PlaneMap::insert(const Eigen::Vector3f& p_odom) {
   const IkdTree::Insertion insertion = tree_.insert(p_odom);
@@ -44,7 +44,7 @@ void PlaneMap::insert(const Eigen::Vector3f& p_odom) {
   Moments& m = moments_[insertion.slot];
   if (insertion.is_new) {
     m = {};
-    planes_[insertion.slot % kCachedPlanes].slot = kNoSlot;
+    cached_plane(insertion.slot).slot = kNoSlot;
   }
   if (m.count >= static_cast<float>(config_.max_voxel_weight)) return;
   const Eigen::Vector3f d = p_odom - tree_.point(insertion.slot);
@@ -63,7 +63,7 @@ const Plane* PlaneMap::plane_at(const Eigen::Vector3f& p_odom) {
     if (tree_.nearest(p_odom, {&nearest, 1}, config_.near.radius_m) == 0) return nullptr;
     slot = nearest.slot;
   }
-  CachedPlane& cached = planes_[slot % kCachedPlanes];
+  CachedPlane& cached = cached_plane(slot);
   if (!is_fresh(cached, slot)) fit(slot, cached);
   return cached.valid ? &cached.plane : nullptr;
 }

@@ -18,7 +18,7 @@ struct Neighbourhood {
 
 struct PlaneMapConfig {
   float voxel_size_m = 0.6F;
-  std::uint32_t max_voxels = 450'000;
+  std::uint32_t max_voxels = 200'000;     // within the LiDAR's reach a street has 50,000 to 130,000
   float max_distance_m = 110.0F;     // half the cube that is kept around the vehicle (the LiDAR's reach); less when nearly full
   float min_distance_m = 80.0F;
   float viewpoint_distance_m = 0.3F;
@@ -85,6 +85,7 @@ class PlaneMap {
     bool valid = false;
   };
 
+  CachedPlane& cached_plane(std::uint32_t slot) { return planes_[slot % planes_.size()]; }
   bool is_fresh(const CachedPlane& cached, std::uint32_t slot) const;
   void fit(std::uint32_t slot, CachedPlane& cached);
   bool fit(std::uint32_t slot, const Neighbourhood& neighbourhood, Plane& plane) const;

@@ -80,6 +80,18 @@ TEST(LoopCloser, ClosesTheLapWithinCentimetres) {
   }
 }
 
+TEST(LoopCloser, TheFirstPlaceIsJoinedInTheMiddleOfItsSubmap) {
+  const Lap lap{1};
+  LoopCloserConfig config = nothing_held();
+  config.keyframes_behind = 6;
+  const LoopCloser closer = run(lap, config);
+  const auto looked_from = [](const LoopCandidateReport& r) { return r.from == 0 && r.ended_at == LoopStage::kAccepted; };
+  ASSERT_TRUE(std::ranges::any_of(closer.reports(), looked_from));
+  std::uint64_t first = lap.truth.size();
+  for (const LoopClosure& closure : closer.closures()) first = std::min(first, closure.from);
+  EXPECT_EQ(first, 3U);  // keyframes 0 to 6
+}
+
 TEST(LoopCloser, LeavesAPlaceThatTheOdometryStillHoldsToTheOdometry) {
   LoopCloserConfig config;
   config.local_map_reach_m = 1.5 * 2.0 * kRadius_m;
@@ -112,7 +124,7 @@ TEST(LoopCloser, EveryWrongCandidateIsRefusedWithItsStage) {
     const auto to = from + 20 + static_cast<std::uint64_t>(test::uniform(random, 0.0, 60.0));
     if ((lap.truth[from].translation - lap.truth[to].translation).norm() < 30.0) continue;
     const LoopStage stage = closer.try_pair(lap.view(), from, to);
-    EXPECT_TRUE(stage != LoopStage::kAccepted || lap.error_m({from, to, closer.closures().back().T_from_to}) < 0.06);
+    EXPECT_TRUE(stage != LoopStage::kAccepted || lap.error_m(closer.closures().back()) < 0.06);
   }
   for (const LoopClosure& closure : closer.closures()) EXPECT_LT(lap.error_m(closure), 0.1);
   EXPECT_GE(closer.closures().size(), closures);
