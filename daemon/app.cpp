@@ -1,7 +1,6 @@
 #include "daemon/app.hpp"
 
 #include <nlohmann/json.hpp>
-#include <set>
 #include <utility>
 
 #include "daemon/server/host_clock.hpp"
@@ -64,14 +63,20 @@ App::App(const Config& config, const std::string& version, PosePublisher publish
 
 Result<void> App::start(UniqueFd listening) {
   const RealTimeConfig& rt = config_.real_time;
-  const Result<void> memory_locked = rt.lock_memory ? lock_memory() : Result<void>{};
+  std::set<std::string> refusals;
+  if (const Result<void> locked = rt.lock_memory ? lock_memory() : Result<void>{}; !locked) refusals.insert(locked.reason());
+  if (rt.cpu_latency_us >= 0) {
+    Result<UniqueFd> limit = limit_cpu_latency(rt.cpu_latency_us);
+    if (limit) cpu_latency_ = std::move(limit).value();
+    else refusals.insert(limit.reason());
+  }
   if (recorder_) start_thread({"slamd-recorder"}, *recorder_);
   start_thread({"slamd-mapping"}, mapping_);
   start_thread({"slamd-estimator", rt.estimator_priority, rt.estimator_cpu}, estimator_);
   start_thread({"slamd-gnss", rt.gnss_priority, rt.driver_cpu}, gnss_);
   start_thread({"slamd-imu", rt.imu_priority, rt.driver_cpu}, imu_);
   start_thread({"slamd-lidar", rt.lidar_priority, rt.driver_cpu}, lidar_);
-  tell_refusals(memory_locked);
+  tell_refusals(std::move(refusals));
   const Result<void> served = server_.start(std::move(listening));
   if (!served) stop();
   return served;
@@ -113,9 +118,7 @@ void App::start_thread(const ThreadSchedule& schedule, Part& part) {
   workers_.push_back(std::make_unique<Worker>(schedule, [&part](const std::stop_token& stop) { part.run(stop); }));
 }
 
-void App::tell_refusals(const Result<void>& memory_locked) {
-  std::set<std::string> reasons;
-  if (!memory_locked) reasons.insert(memory_locked.reason());
+void App::tell_refusals(std::set<std::string> reasons) {
   for (const auto& worker : workers_) {
     if (!worker->scheduled()) reasons.insert(worker->scheduled().reason());
   }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -58,7 +59,7 @@ class App {
 
   template <class Part>
   void start_thread(const ThreadSchedule& schedule, Part& part);
-  void tell_refusals(const Result<void>& memory_locked);
+  void tell_refusals(std::set<std::string> reasons);
   void record(std::unique_ptr<Recorder> recorder);
   void register_probes();
   void add_source(const std::string& name, const HealthBoard::SourceProbe& probe);
@@ -69,6 +70,7 @@ class App {
   PosePublisher publisher_;
   MapStore map_;
   TrajectoryStore trajectory_;
+  UniqueFd cpu_latency_;  // the limit holds as long as it is open
   std::unique_ptr<Streams> streams_;
   LidarThread lidar_;
   ImuThread imu_;

@@ -162,6 +162,11 @@ Fields real_time_fields(RealTimeConfig& c) {
       {"real_time.estimator_priority", &c.estimator_priority, "", kPriority, "likewise"},
       {"real_time.driver_cpu", &c.driver_cpu, "", kCpu, "CPU of the three driver threads; -1 = any"},
       {"real_time.estimator_cpu", &c.estimator_cpu, "", kCpu, "CPU of the estimator thread; -1 = any"},
+      {"real_time.cpu_latency_us",
+       &c.cpu_latency_us,
+       "us",
+       {-1, 1e6},
+       "processors idle no deeper than wakes up in this time (/dev/cpu_dma_latency); -1 = as the system likes"},
   };
 }
 

@@ -93,7 +93,7 @@ Finding check_idle_states(const HostFiles& host) {
   return {Verdict::kWrong, subject,
           found + (limit ? " and cpu_dma_latency permits it" : "; whether cpu_dma_latency forbids it only root may read"),
           "cpupower idle-set -D " + std::to_string(kWakeLimitUs) +
-              " (package linux-cpupower); or a program that keeps /dev/cpu_dma_latency open, as tuned's latency-performance does"};
+              " (package linux-cpupower); slamd itself forbids it while it runs (real_time.cpu_latency_us), where udev's 60-slamd.rules let it"};
 }
 
 Finding check_clock_source(const HostFiles& host) {

@@ -1,12 +1,15 @@
 #include "daemon/threads/real_time.hpp"
 
+#include <fcntl.h>
 #include <malloc.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <cstddef>
+#include <cstdint>
 
 namespace slamd {
 namespace {
@@ -62,6 +65,14 @@ Result<void> lock_memory() {
   }
   if (!unlimited) return Error{"RLIMIT_MEMLOCK is finite: only the memory of the start is locked"};
   return {};
+}
+
+Result<UniqueFd> limit_cpu_latency(int most_us, const char* device) {
+  UniqueFd file{::open(device, O_WRONLY | O_CLOEXEC)};
+  if (!file) return Error{"/dev/cpu_dma_latency cannot be opened: processors may idle deeply (needs its udev rule)"};
+  const std::int32_t wanted = most_us;
+  if (::write(file.get(), &wanted, sizeof wanted) != sizeof wanted) return Error{"/dev/cpu_dma_latency takes no limit"};
+  return file;
 }
 
 }  // namespace slamd

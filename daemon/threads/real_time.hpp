@@ -1,6 +1,7 @@
 #pragma once
 // Scheduling of the calling thread and memory locking of the process. What the thread does is not known here.
 
+#include "daemon/ring/unique_fd.hpp"
 #include "estimator/types/result.hpp"
 
 namespace slamd {
@@ -15,6 +16,7 @@ struct RealTimeConfig {
   int estimator_priority = 40;  // the long computation: below those who must not miss a byte
   int driver_cpu = -1;          // -1: any
   int estimator_cpu = -1;
+  int cpu_latency_us = 20;      // processors may take no longer to wake up; -1: as the system likes
 };
 
 struct ThreadSchedule {
@@ -34,5 +36,9 @@ void keep_stacks_small();
 /// Locks all present and future pages of the process into memory and keeps freed heap from going back to the kernel.
 /// Call once before the real-time threads start. Fails without CAP_IPC_LOCK or enough RLIMIT_MEMLOCK.
 Result<void> lock_memory();
+
+/// Keeps processors from idling so deeply that waking up takes longer than most_us, as long as the descriptor is open
+/// (/dev/cpu_dma_latency). Fails where the system has no such file or does not let us open it.
+Result<UniqueFd> limit_cpu_latency(int most_us, const char* device = "/dev/cpu_dma_latency");
 
 }  // namespace slamd

@@ -1,6 +1,7 @@
 #include "tests/support/thread_accounting.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 
 #include <atomic>
 #include <cstddef>
@@ -75,6 +76,19 @@ TEST_F(ThreadAccounting, LocksThatGiveUpAreCountedToo) {
     if (mutex.try_lock()) mutex.unlock();
   });
   EXPECT_EQ(account.locks - before.locks, 2U);
+}
+
+TEST_F(ThreadAccounting, PagesThatWereNotThereAreCounted) {
+  constexpr std::size_t kPages = 100, kBytes = kPages * 4096;
+  const ThreadAccount before = account_of([] { std::free(std::malloc(1)); });
+  const ThreadAccount account = account_of([] {
+    std::free(std::malloc(1));
+    auto* pages = static_cast<volatile char*>(::mmap(nullptr, kBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+    ::madvise(const_cast<char*>(pages), kBytes, MADV_NOHUGEPAGE);
+    for (std::size_t i = 0; i < kBytes; i += 4096) pages[i] = 1;
+    ::munmap(const_cast<char*>(pages), kBytes);
+  });
+  EXPECT_GE(account.minor_faults, before.minor_faults + kPages);
 }
 
 }  // namespace

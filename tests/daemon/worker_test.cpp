@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 #include <pthread.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 
@@ -48,6 +52,22 @@ TEST(Worker, StopsWhileItsBodyHasNotYetLookedAtTheStopToken) {
                   }};
     worker.request_stop();
   }
+}
+
+TEST(CpuLatency, ALimitIsWrittenAndHeldOpenAndARefusalIsSaid) {
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / ("slamd_dma_" + std::to_string(::getpid()));
+  std::ofstream{file};
+  {
+    const Result<UniqueFd> limit = limit_cpu_latency(20, file.c_str());
+    ASSERT_TRUE(limit) << limit.reason();
+    std::int32_t written = 0;
+    EXPECT_TRUE(std::ifstream{file}.read(reinterpret_cast<char*>(&written), sizeof written));
+    EXPECT_EQ(written, 20);
+  }
+  std::filesystem::remove(file);
+  const Result<UniqueFd> refused = limit_cpu_latency(20, file.c_str());
+  ASSERT_FALSE(refused);
+  EXPECT_NE(std::string{refused.reason()}.find("udev"), std::string::npos);
 }
 
 }  // namespace

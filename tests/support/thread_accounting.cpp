@@ -50,6 +50,15 @@ std::string name_of(int thread_id) {
   return name;
 }
 
+/// As the kernel counts them: fields 10 and 12 of stat, behind the name in brackets.
+void read_faults(ThreadAccount& account) {
+  std::ifstream file{"/proc/self/task/" + std::to_string(account.thread_id) + "/stat"};
+  std::string skipped;
+  std::getline(file, skipped, ')');
+  for (int field = 3; field < 10; ++field) file >> skipped;
+  file >> account.minor_faults >> skipped >> account.major_faults;
+}
+
 #if SLAMD_COUNTS
 void count_allocation() {
   own().allocations.fetch_add(1, std::memory_order_relaxed);
@@ -86,8 +95,11 @@ std::vector<ThreadAccount> thread_accounts() {
     const Slot& slot = slots[i];
     std::string name = name_of(slot.thread_id.load());
     if (name.empty()) continue;
-    accounts.push_back(
-        {std::move(name), slot.thread_id.load(), slot.allocations.load(), slot.frees.load(), slot.locks.load()});
+    ThreadAccount& account = accounts.emplace_back(ThreadAccount{std::move(name), slot.thread_id.load()});
+    account.allocations = slot.allocations.load();
+    account.frees = slot.frees.load();
+    account.locks = slot.locks.load();
+    read_faults(account);
   }
   return accounts;
 }
