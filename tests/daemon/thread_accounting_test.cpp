@@ -80,9 +80,10 @@ TEST_F(ThreadAccounting, LocksThatGiveUpAreCountedToo) {
 
 TEST_F(ThreadAccounting, PagesThatWereNotThereAreCounted) {
   constexpr std::size_t kPages = 100, kBytes = kPages * 4096;
-  const ThreadAccount before = account_of([] { std::free(std::malloc(1)); });
-  const ThreadAccount account = account_of([] {
-    std::free(std::malloc(1));
+  std::mutex mutex;  // what is locked gives the thread an account
+  const ThreadAccount before = account_of([&] { const std::scoped_lock lock{mutex}; });
+  const ThreadAccount account = account_of([&] {
+    const std::scoped_lock lock{mutex};
     auto* pages = static_cast<volatile char*>(::mmap(nullptr, kBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
     ::madvise(const_cast<char*>(pages), kBytes, MADV_NOHUGEPAGE);
     for (std::size_t i = 0; i < kBytes; i += 4096) pages[i] = 1;
