@@ -128,15 +128,7 @@ void App::tell_refusals(std::set<std::string> reasons) {
 }
 
 void App::register_probes() {
-  const auto device = [](std::string name, SourceHealth health) {
-    health.device = std::move(name);
-    return health;
-  };
-  const std::string lidar_device = "udp:" + config_.lidar.bind_address + ":" + std::to_string(config_.lidar.port);
-  add_source("lidar", [=, this] { return device(lidar_device, source_health(lidar_.report(), host_now())); });
-  add_source("imu", [=, this] { return device(device_name(config_.imu.source), source_health(imu_.report(), host_now())); });
-  add_source("gnss", [=, this] { return device(config_.gnss.serial.path, source_health(gnss_.report(), host_now())); });
-
+  register_sensors();
   add_ring("lidar", [this] { return streams_->lidar.counts(); });
   add_ring("imu", [this] { return streams_->imu.counts(); });
   add_ring("gnss", [this] { return streams_->gnss.counts(); });
@@ -152,6 +144,27 @@ void App::register_probes() {
   health_.add_object("back_end", [this] { return to_json(mapping_.state()); });
   health_.add_count("log_lines_lost", [this] { return log_.lost(); });
   supervisor_.watch_pose([this] { return publisher_.newest(); });
+}
+
+void App::register_sensors() {
+  const auto add = [this](const std::string& name, const std::string& device, const SensorPatience& patience,
+                          SensorWatch::Probe evidence, HealthBoard::SourceProbe counts) {
+    const SensorWatch& watch = supervisor_.watch_sensor(patience, std::move(evidence));
+    add_source(name, [=, &watch] {
+      SourceHealth health = judged(counts(), watch.condition());
+      health.device = device;
+      return health;
+    });
+  };
+  add("lidar", "udp:" + config_.lidar.bind_address + ":" + std::to_string(config_.lidar.port), config_.health.lidar,
+      [this](HostTime now) { return evidence(lidar_.report(), publisher_.newest(), now); },
+      [this] { return source_health(lidar_.report()); });
+  add("imu", device_name(config_.imu.source), config_.health.imu,
+      [this](HostTime) { return evidence(imu_.report(), publisher_.newest()); },
+      [this] { return source_health(imu_.report()); });
+  add("gnss", config_.gnss.serial.path, config_.health.gnss,
+      [this](HostTime) { return evidence(gnss_.report(), mapping_.state().gnss); },
+      [this] { return source_health(gnss_.report()); });
 }
 
 void App::add_source(const std::string& name, const HealthBoard::SourceProbe& probe) {

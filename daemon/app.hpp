@@ -62,6 +62,7 @@ class App {
   void tell_refusals(std::set<std::string> reasons);
   void record(std::unique_ptr<Recorder> recorder);
   void register_probes();
+  void register_sensors();
   void add_source(const std::string& name, const HealthBoard::SourceProbe& probe);
   void add_ring(const std::string& name, const HealthBoard::RingProbe& probe);
 

@@ -6,6 +6,7 @@
 
 #include "daemon/config/field.hpp"
 #include "daemon/config/yaml_fields.hpp"
+#include "daemon/health/health_config.hpp"
 #include "daemon/server/server.hpp"
 #include "daemon/store/map_store.hpp"
 #include "daemon/threads/estimator_thread.hpp"
@@ -39,6 +40,7 @@ struct Config {
   BackEndConfig back_end;
   MapStoreConfig map;
   ServerConfig server;
+  HealthConfig health;
   RealTimeConfig real_time;
   LogConfig log;
 };

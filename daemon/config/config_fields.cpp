@@ -104,6 +104,27 @@ Fields server_fields(ServerConfig& c) {
   };
 }
 
+Fields patience_fields(SensorPatience& p, const std::string& sensor) {
+  const std::string section = "health." + sensor + ".";
+  constexpr FieldRange kSeconds{0.05, 3600};
+  return {
+      {section + "late_s", &p.late_s, "s", kSeconds, "without a good item for so long the sensor is degraded"},
+      {section + "least_rate_hz", &p.least_rate_hz, "Hz", {0, 1e5}, "likewise with fewer good items a second"},
+      {section + "most_bad_share", &p.most_bad_share, "", {0, 1}, "likewise with more refused or lost"},
+      {section + "faulty_s", &p.faulty_s, "s", kSeconds,
+       "silent, refused or not believed for so long in sum: faulty; good times count a tenth against it"},
+      {section + "clean_s", &p.clean_s, "s", kSeconds, "without any defect until a faulty sensor is healthy"},
+      {section + "proving_s", &p.proving_s, "s", kSeconds, "likewise a starting or degraded one"},
+  };
+}
+
+Fields health_fields(HealthConfig& c) {
+  Fields fields = patience_fields(c.lidar, "lidar");
+  append(fields, patience_fields(c.imu, "imu"));
+  append(fields, patience_fields(c.gnss, "gnss"));
+  return fields;
+}
+
 Fields map_fields(MapStoreConfig& c) {
   return {
       {"map.voxel_size_m", &c.voxel_size_m, "m", {0.01, 10}, "finest detail that is kept of each keyframe"},
@@ -193,6 +214,7 @@ Fields config_fields(Config& c) {
   append(fields, back_end_fields(c.back_end));
   append(fields, map_fields(c.map));
   append(fields, server_fields(c.server));
+  append(fields, health_fields(c.health));
   append(fields, real_time_fields(c.real_time));
   append(fields, log_fields(c.log));
   return fields;

@@ -21,7 +21,8 @@ json clock_json(const ClockHealth& clock) {
 json source_json(const SourceHealth& health, double rate_hz, HostTime now) {
   json object = {{"device", health.device}, {"state", health.state},   {"received", health.received},
                  {"lost", health.lost},     {"rate_hz", rate_hz},      {"age_s", nullptr},
-                 {"rejected", json::object()}};
+                 {"reason", health.reason}, {"state_s", to_seconds(now - health.state_since)},
+                 {"times_faulty", health.times_faulty}, {"rejected", json::object()}};
   if (health.received > 0) object["age_s"] = to_seconds(now - health.last_arrival);
   for (const auto& [cause, count] : health.rejected) object["rejected"][cause] = count;
   for (const auto& [event, count] : health.events) object["events"][event] = count;

@@ -34,6 +34,9 @@ struct SourceHealth {
   std::uint64_t lost = 0;         // never arrived, as told by stamps or sequence numbers
   std::string device{};            // "udp:0.0.0.0:2368", "/dev/ttyACM0"
   std::string state{};            // one word, e.g. "healthy", "absent"
+  std::string reason{};           // likewise: "silent"; "none" where all is well
+  HostTime state_since{};         // only meaningful with a state
+  std::uint32_t times_faulty = 0;
   std::vector<std::pair<std::string, std::uint64_t>> rejected{};  // by cause
   std::vector<std::pair<std::string, std::uint64_t>> events{};    // what happened, e.g. "resets"
   std::optional<ClockHealth> clock{};                             // of devices with a clock

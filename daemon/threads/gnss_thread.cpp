@@ -13,6 +13,7 @@ GnssThread::GnssThread(const GnssThreadConfig& config, const NmeaParser::Config&
 void GnssThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const SourceRead read = source_.read(kStopLatency);
+    if (!read.bytes.empty()) now_.last_bytes = read.arrival;
     if (tap_ != nullptr) tap_->take({.payload = read.bytes, .arrival = read.arrival, .source = {}});
     parser_.feed(read.bytes, read.arrival, [this](const GnssFix& fix) { take(fix); });
     if (parser_.sentence_stats().sentences != now_.sentences.sentences) now_.last_sentence = read.arrival;

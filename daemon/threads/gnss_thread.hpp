@@ -20,6 +20,7 @@ struct GnssThreadConfig {
 /// What the thread has seen; totals since the start.
 struct GnssReport {
   HostTime last_arrival;   // of the newest fix; only meaningful when parser.fixes > 0
+  HostTime last_bytes;     // of the newest bytes, whatever they were
   HostTime last_sentence;  // of the newest bytes that ended a sentence; only meaningful when sentences.sentences > 0
   GnssStats parser;
   NmeaSentenceStats sentences;

@@ -2,24 +2,37 @@
 
 #include <array>
 #include <cstddef>
+#include <numeric>
 
 namespace slamd {
 namespace {
 
-constexpr Duration kSilentAfter = std::chrono::seconds{1};
-constexpr Duration kGnssSilentAfter = std::chrono::seconds{3};  // some receivers speak once a second, and late
+using Use = SensorEvidence::Use;
 
-bool is_fresh(std::uint64_t received, HostTime last_arrival, HostTime now, Duration limit) {
-  return received > 0 && now - last_arrival <= limit;
-}
+constexpr Duration kLidarIsGone = std::chrono::seconds{10};  // nothing was heard for so long: it has no other way to be absent
 
 void add_rejected(SourceHealth& health, const char* cause, std::uint64_t count) {
   if (count > 0) health.rejected.emplace_back(cause, count);
 }
 
+std::optional<HostTime> instant(bool ever, HostTime time) {
+  return ever ? std::optional{time} : std::nullopt;
+}
+
+/// Whether the pose says so; one that is still being made accuses nobody.
+bool says(const std::optional<PoseSample>& pose, StatusReason reason) {
+  if (!pose || pose->status == static_cast<std::uint32_t>(TrackingStatus::kInitialising)) return false;
+  return (pose->reasons & bit(reason)) != 0;
+}
+
+std::uint64_t sum_of(const SourceHealth& health) {
+  return std::accumulate(health.rejected.begin(), health.rejected.end(), std::uint64_t{0},
+                         [](std::uint64_t sum, const auto& entry) { return sum + entry.second; });
+}
+
 }  // namespace
 
-SourceHealth source_health(const LidarReport& report, HostTime now) {
+SourceHealth source_health(const LidarReport& report) {
   SourceHealth health;
   health.last_arrival = report.last_arrival;
   health.received = report.decoder.accepted;
@@ -28,13 +41,10 @@ SourceHealth source_health(const LidarReport& report, HostTime now) {
       [&](const char* cause, std::uint64_t count) { add_rejected(health, cause, count); });
   add_rejected(health, "foreign_sender", report.socket.foreign);
   add_rejected(health, "oversized", report.socket.oversized);
-  const bool datagrams = is_fresh(report.decoder.received, report.last_received, now, kSilentAfter);
-  const bool packets = is_fresh(report.decoder.accepted, report.last_arrival, now, kSilentAfter);
-  health.state = packets ? "healthy" : datagrams ? "refused" : "silent";
   return health;
 }
 
-SourceHealth source_health(const ImuReport& report, HostTime now) {
+SourceHealth source_health(const ImuReport& report) {
   constexpr std::array kCauses{"", "length", "cobs", "crc", "version"};
   SourceHealth health;
   health.last_arrival = report.last_arrival;
@@ -50,13 +60,10 @@ SourceHealth source_health(const ImuReport& report, HostTime now) {
                    {"dropped_at_device", report.parser.dropped_at_device},
                    {"unplugged", report.source.losses}};
   if (report.parser.samples > 0) health.clock = report.clock;
-  const bool samples = is_fresh(health.received, report.last_arrival, now, kSilentAfter);
-  const bool bytes = is_fresh(report.source.bytes, report.last_bytes, now, kSilentAfter);
-  health.state = !report.device_open ? "absent" : samples ? "healthy" : bytes ? "refused" : "silent";
   return health;
 }
 
-SourceHealth source_health(const GnssReport& report, HostTime now) {
+SourceHealth source_health(const GnssReport& report) {
   SourceHealth health;
   health.last_arrival = report.last_arrival;
   health.received = report.parser.fixes;
@@ -65,9 +72,54 @@ SourceHealth source_health(const GnssReport& report, HostTime now) {
   add_rejected(health, "broken", report.sentences.broken);
   add_rejected(health, "too_long", report.sentences.too_long);
   add_rejected(health, "stale", report.parser.stale);
-  const bool fixes = is_fresh(health.received, report.last_arrival, now, kGnssSilentAfter);
-  const bool sentences = is_fresh(report.sentences.sentences, report.last_sentence, now, kGnssSilentAfter);
-  health.state = !report.device_open ? "absent" : fixes ? "healthy" : sentences ? "no_fix" : "silent";
+  return health;
+}
+
+SensorEvidence evidence(const LidarReport& report, const std::optional<PoseSample>& pose, HostTime now) {
+  SensorEvidence told;
+  told.heard = instant(report.decoder.received > 0, report.last_received);
+  told.present = told.heard && now - *told.heard <= kLidarIsGone;
+  told.good_at = instant(report.decoder.accepted > 0, report.last_arrival);
+  told.good = report.decoder.accepted;
+  report.decoder.rejections.for_each([&](const char*, std::uint64_t count) { told.bad += count; });
+  told.lost = report.decoder.lost + report.socket.overflowed;
+  told.clock_sure = report.clock_locked;
+  if (says(pose, StatusReason::kInnovation)) told.use = Use::kDoubted;
+  if (says(pose, StatusReason::kNoLidar)) told.use = Use::kRefused;
+  return told;
+}
+
+SensorEvidence evidence(const ImuReport& report, const std::optional<PoseSample>& pose) {
+  SensorEvidence told;
+  told.present = report.device_open;
+  told.heard = instant(report.source.bytes > 0, report.last_bytes);
+  told.good_at = instant(report.parser.samples > 0, report.last_arrival);
+  told.good = report.parser.samples;
+  told.bad = sum_of(source_health(report));
+  told.lost = report.parser.missing;
+  told.clock_sure = report.clock.locked;
+  if (says(pose, StatusReason::kNoImu)) told.use = Use::kRefused;
+  return told;
+}
+
+SensorEvidence evidence(const GnssReport& report, const std::optional<GnssState>& gnss) {
+  SensorEvidence told;
+  told.present = report.device_open;
+  told.heard = instant(report.serial.bytes > 0, report.last_bytes);
+  told.good_at = instant(report.parser.fixes > 0, report.last_arrival);
+  told.good = report.sentences.sentences;  // of which a fix is made of several
+  told.bad = sum_of(source_health(report));
+  told.spoke = instant(report.sentences.sentences > 0, report.last_sentence);
+  if (gnss && gnss->trust == GnssTrust::kDoubtful) told.use = Use::kDoubted;
+  if (gnss && gnss->trust == GnssTrust::kFaulty) told.use = Use::kRefused;
+  return told;
+}
+
+SourceHealth judged(SourceHealth health, const SensorCondition& condition) {
+  health.state = name(condition.state);
+  health.reason = name(condition.defect);
+  health.state_since = condition.since;
+  health.times_faulty = condition.times_faulty;
   return health;
 }
 

@@ -22,7 +22,9 @@ Condition condition(const SourceHealth& health) {
   for (const auto& [cause, count] : health.rejected) details += " rejected_" + cause + "=" + std::to_string(count);
   if (!health.device.empty()) details += " device=" + health.device;
   if (health.state == "healthy") return {LogLevel::kInfo, "state=healthy", details};
-  return {LogLevel::kWarning, "state=" + health.state + ", continuing without:", details};
+  const std::string reason = health.reason.empty() ? "" : " reason=" + health.reason;
+  const bool starts = health.state == "starting";
+  return {starts ? LogLevel::kInfo : LogLevel::kWarning, "state=" + health.state + reason + ", continuing:", details};
 }
 
 Condition condition(const std::optional<PoseSample>& sample) {
@@ -38,6 +40,10 @@ Condition condition(const RingCounts& counts, std::uint64_t dropped_before) {
   return {LogLevel::kWarning, "state=dropping, continuing:", " dropped=" + std::to_string(counts.dropped)};
 }
 
+const SensorWatch& Supervisor::watch_sensor(const SensorPatience& patience, SensorWatch::Probe probe) {
+  return *sensors_.emplace_back(std::make_unique<SensorWatch>(patience, std::move(probe)));
+}
+
 void Supervisor::watch_source(std::string source, HealthBoard::SourceProbe probe) {
   sources_.emplace_back(std::move(source), std::move(probe));
 }
@@ -47,6 +53,7 @@ void Supervisor::watch_ring(std::string ring, HealthBoard::RingProbe probe) {
 }
 
 void Supervisor::look(HostTime now) {
+  for (const auto& sensor : sensors_) sensor->look(now);
   for (const auto& [source, probe] : sources_) changes_.look(source, condition(probe()), now);
   for (Ring& ring : rings_) {
     const RingCounts counts = ring.probe();

@@ -1,21 +1,23 @@
 #pragma once
-// Looks at the threads' reports a few times a second and tells the log what has changed: the one place where real-time
-// threads' counters become words. It reads atomics only and changes nothing.
+// Looks at the threads' reports a few times a second, judges the sensors and tells the log what has changed: the one place
+// where real-time threads' counters become words. It reads atomics only and steers nothing.
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "daemon/health/health_board.hpp"
+#include "daemon/health/sensor_watch.hpp"
 #include "daemon/server/protocol/pose_page.hpp"
 #include "daemon/threads/change_log.hpp"
 
 namespace slamd {
 
-/// How a sensor stands: "state=silent, continuing without" and its counts.
+/// How a sensor stands: "state=faulty reason=silent, continuing:" and its counts.
 Condition condition(const SourceHealth& health);
 /// How the pose stands: "status=DEGRADED reasons=no_imu"; nothing published yet is the initial status.
 Condition condition(const std::optional<PoseSample>& sample);
@@ -29,6 +31,8 @@ class Supervisor {
   Supervisor(Duration repeat_period, ChangeLog::Sink sink) : changes_{repeat_period, std::move(sink)} {}
 
   /// Registration, before the first look(). What the probes refer to must outlive the last one.
+  /// The judge of a sensor, asked at every look(); lives as long as this.
+  const SensorWatch& watch_sensor(const SensorPatience& patience, SensorWatch::Probe probe);
   void watch_source(std::string name, HealthBoard::SourceProbe probe);
   void watch_ring(std::string name, HealthBoard::RingProbe probe);
   void watch_pose(PoseProbe probe) { pose_ = std::move(probe); }
@@ -50,6 +54,7 @@ class Supervisor {
 
   ChangeLog changes_;
   PoseProbe pose_;
+  std::vector<std::unique_ptr<SensorWatch>> sensors_;
   std::vector<std::pair<std::string, HealthBoard::SourceProbe>> sources_;
   std::vector<Ring> rings_;
 };

@@ -15,46 +15,48 @@ HostTime at_s(double s) {
   return HostTime{from_seconds(s)};
 }
 
-TEST(SourceHealth, ALidarIsHealthySilentOrRefused) {
+std::optional<PoseSample> pose_that_says(StatusReason reason) {
+  PoseSample sample;
+  sample.status = static_cast<std::uint32_t>(TrackingStatus::kDegraded);
+  sample.reasons = bit(reason);
+  return sample;
+}
+
+TEST(SensorEvidence, ALidarIsPresentWhileItWasHeardLately) {
   LidarReport report;
-  EXPECT_EQ(source_health(report, at_s(10)).state, "silent");
+  EXPECT_FALSE(evidence(report, {}, at_s(10)).present);
   report.decoder.received = report.decoder.accepted = 5;
   report.last_received = report.last_arrival = at_s(9.5);
-  EXPECT_EQ(source_health(report, at_s(10)).state, "healthy");
-  EXPECT_EQ(source_health(report, at_s(11)).state, "silent");
-  report.last_received = at_s(11);
   report.decoder.rejections.add(Vlp16Rejection::kHdl32e, 3);
-  const SourceHealth refused = source_health(report, at_s(11));
-  EXPECT_EQ(refused.state, "refused");
-  ASSERT_EQ(refused.rejected.size(), 1U);
-  EXPECT_EQ(refused.rejected[0].second, 3U);
+  const SensorEvidence told = evidence(report, {}, at_s(10));
+  EXPECT_TRUE(told.present);
+  EXPECT_EQ(told.good_at, at_s(9.5));
+  EXPECT_EQ(told.bad, 3U);
+  EXPECT_FALSE(evidence(report, {}, at_s(20)).present);
+  EXPECT_EQ(source_health(report).rejected[0].second, 3U);
 }
 
-TEST(SourceHealth, AnImuIsAbsentSilentRefusedOrHealthy) {
-  ImuReport report;
-  EXPECT_EQ(source_health(report, at_s(10)).state, "absent");
-  report.device_open = true;
-  EXPECT_EQ(source_health(report, at_s(10)).state, "silent");
-  report.source.bytes = 100;
-  report.last_bytes = at_s(10);
-  EXPECT_EQ(source_health(report, at_s(10)).state, "refused");
-  report.parser.samples = 3;
-  report.last_arrival = at_s(10);
-  EXPECT_EQ(source_health(report, at_s(10)).state, "healthy");
-  report.device_open = false;
-  EXPECT_EQ(source_health(report, at_s(10)).state, "absent");
+TEST(SensorEvidence, ThePoseSaysWhichSensorTheEstimatorDoesNotBelieve) {
+  using Use = SensorEvidence::Use;
+  EXPECT_EQ(evidence(ImuReport{}, pose_that_says(StatusReason::kNoImu)).use, Use::kRefused);
+  EXPECT_EQ(evidence(ImuReport{}, pose_that_says(StatusReason::kNoLidar)).use, Use::kUsed);
+  EXPECT_EQ(evidence(LidarReport{}, pose_that_says(StatusReason::kNoLidar), at_s(1)).use, Use::kRefused);
+  EXPECT_EQ(evidence(LidarReport{}, pose_that_says(StatusReason::kInnovation), at_s(1)).use, Use::kDoubted);
+  std::optional<PoseSample> starting = pose_that_says(StatusReason::kNoImu);
+  starting->status = static_cast<std::uint32_t>(TrackingStatus::kInitialising);
+  EXPECT_EQ(evidence(ImuReport{}, starting).use, Use::kUsed) << "a pose that is being made accuses nobody";
 }
 
-TEST(SourceHealth, AReceiverWithoutAFixIsSaidToHaveNone) {
+TEST(SensorEvidence, TheBackEndSaysWhatItThinksOfTheReceiver) {
+  using Use = SensorEvidence::Use;
+  EXPECT_EQ(evidence(GnssReport{}, std::nullopt).use, Use::kUsed);
+  EXPECT_EQ(evidence(GnssReport{}, GnssState{.trust = GnssTrust::kDoubtful, .latency = {}}).use, Use::kDoubted);
+  EXPECT_EQ(evidence(GnssReport{}, GnssState{.trust = GnssTrust::kFaulty, .latency = {}}).use, Use::kRefused);
   GnssReport report;
-  report.device_open = true;
   report.sentences.sentences = 4;
   report.last_sentence = at_s(10);
-  EXPECT_EQ(source_health(report, at_s(10)).state, "no_fix");
-  report.parser.fixes = 1;
-  report.last_arrival = at_s(8);
-  EXPECT_EQ(source_health(report, at_s(10)).state, "healthy");
-  EXPECT_EQ(source_health(report, at_s(20)).state, "silent");
+  EXPECT_EQ(evidence(report, std::nullopt).spoke, at_s(10));
+  EXPECT_FALSE(evidence(report, std::nullopt).good_at);
 }
 
 TEST(Supervisor, ThePoseIsToldWithItsReasonsByName) {
@@ -90,11 +92,12 @@ TEST(Supervisor, ASensorThatGoesAwayIsAWarningWithItsDevice) {
   supervisor.watch_source("imu", [&] { return health; });
   supervisor.look(at_s(1));
   health.state = "absent";
+  health.reason = "no_device";
   supervisor.look(at_s(2));
   ASSERT_EQ(lines.size(), 2U);
   EXPECT_EQ(lines[0].first, LogLevel::kInfo);
   EXPECT_EQ(lines[1].first, LogLevel::kWarning);
-  EXPECT_EQ(lines[1].second, "imu state=absent, continuing without: received=0 lost=0 device=/dev/ttyACM0");
+  EXPECT_EQ(lines[1].second, "imu state=absent reason=no_device, continuing: received=0 lost=0 device=/dev/ttyACM0");
 }
 
 }  // namespace

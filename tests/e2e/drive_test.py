@@ -88,7 +88,7 @@ class Drive(EndToEndTest):
         degraded = self.await_pose("no_imu", has_reason("no_imu"))
         self.await_pose("tracking again", is_tracking)
         self.assertEqual(degraded["status"], "DEGRADED")
-        self.await_value("the log", lambda: "imu state=silent" in daemon.output(), 30.0)
+        self.await_value("the log", lambda: "imu state=faulty reason=silent" in daemon.output(), 30.0)
         self.assert_stops_cleanly(daemon)
 
     @in_real_time
@@ -99,7 +99,7 @@ class Drive(EndToEndTest):
         degraded = self.await_pose("no_lidar", has_reason("no_lidar"))
         self.await_pose("tracking again", is_tracking)
         self.assertNotIn("no_imu", degraded["reasons"])
-        self.await_value("the log", lambda: "lidar state=silent" in daemon.output(), 30.0)
+        self.await_value("the log", lambda: "lidar state=faulty reason=silent" in daemon.output(), 30.0)
         self.assert_stops_cleanly(daemon)
 
     @in_real_time

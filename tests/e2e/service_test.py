@@ -81,7 +81,7 @@ class ServiceTest(EndToEndTest):
 
     def test_ready_comes_with_the_socket_and_the_status_says_how_all_stands(self):
         daemon = self.start_service()
-        self.await_value("the status", lambda: self.manager.count("STATUS=INITIALISING; lidar silent, imu absent"), 30.0)
+        self.await_value("the status", lambda: self.manager.count("STATUS=INITIALISING; lidar absent, imu absent"), 30.0)
         self.assert_stops_cleanly(daemon)
         self.assertEqual(self.manager.receive()[-1], "STOPPING=1")
 

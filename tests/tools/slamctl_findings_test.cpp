@@ -15,9 +15,9 @@ json good_status() {
   return json::parse(R"({
     "pose": {"status": "TRACKING", "reasons": []},
     "health": {
-      "sources": {"lidar": {"state": "healthy", "device": "udp:0.0.0.0:2368"},
-                  "imu": {"state": "healthy", "device": "/dev/slamd-imu"},
-                  "gnss": {"state": "healthy", "device": "/dev/slamd-gps"}},
+      "sources": {"lidar": {"state": "healthy", "reason": "none", "device": "udp:0.0.0.0:2368"},
+                  "imu": {"state": "healthy", "reason": "none", "device": "/dev/slamd-imu"},
+                  "gnss": {"state": "healthy", "reason": "none", "device": "/dev/slamd-gps"}},
       "rings": {"imu": {"dropped": 0}, "lidar": {"dropped": 0}}}})");
 }
 
@@ -43,20 +43,21 @@ TEST(SlamctlFindings, name_the_reasons_of_a_pose_that_does_not_track) {
   EXPECT_EQ(finding(status, "pose").verdict, Verdict::kWrong);
 }
 
-TEST(SlamctlFindings, name_the_sensor_that_is_not_healthy_and_its_remedy_by_state) {
-  for (const char* state : {"absent", "silent", "refused", "no_fix"}) {
+TEST(SlamctlFindings, name_the_sensor_that_is_not_healthy_and_its_remedy_by_reason) {
+  for (const char* reason : {"no_device", "silent", "refused", "no_fix", "slow", "unused", "unsure_clock"}) {
     json status = good_status();
-    status["health"]["sources"]["gnss"]["state"] = state;
+    status["health"]["sources"]["gnss"]["state"] = "faulty";
+    status["health"]["sources"]["gnss"]["reason"] = reason;
     const Finding told = finding(status, "gnss");
     EXPECT_EQ(told.verdict, Verdict::kWrong);
-    EXPECT_EQ(told.found, std::string{state} + ", /dev/slamd-gps");
+    EXPECT_EQ(told.found, "faulty (" + std::string{reason} + "), /dev/slamd-gps");
     EXPECT_FALSE(told.remedy.empty());
   }
 }
 
 TEST(SlamctlFindings, hold_a_sensor_that_is_not_configured_against_nobody) {
   json status = good_status();
-  status["health"]["sources"]["gnss"] = {{"state", "absent"}, {"device", ""}};
+  status["health"]["sources"]["gnss"] = {{"state", "absent"}, {"reason", "no_device"}, {"device", ""}};
   EXPECT_EQ(finding(status, "gnss").verdict, Verdict::kUnknown);
   EXPECT_EQ(findings_json(daemon_findings(status)).at("right"), true);
 }

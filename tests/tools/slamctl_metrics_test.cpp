@@ -14,7 +14,7 @@ json status() {
     "pose": {"status": "DEGRADED", "reasons": ["no_imu"], "age_s": 0.25, "sequence": 7},
     "health": {
       "uptime_s": 12.5, "memory": {"resident_bytes": 1000000},
-      "sources": {"imu": {"state": "silent", "device": "d", "rate_hz": 0.0, "age_s": null, "received": 0, "lost": 3,
+      "sources": {"imu": {"state": "faulty", "reason": "silent", "times_faulty": 2, "device": "d", "rate_hz": 0.0, "age_s": null, "received": 0, "lost": 3,
                           "rejected": {"crc": 4, "a\"b": 1}}},
       "rings": {"imu": {"dropped": 2, "high_water": 9}},
       "stages_ms": {"scan": {"count": 10, "p50": 4.0, "p90": 5.0, "p99": 6.0, "p999": 7.0, "max": 8.0}},
@@ -30,7 +30,8 @@ TEST(SlamctlMetrics, give_figures_with_names_labels_and_base_units) {
   const std::string text = metrics_text(status());
   for (const char* line :
        {"# TYPE slamd_status gauge", "slamd_status{status=\"DEGRADED\"} 1", "slamd_status{status=\"TRACKING\"} 0",
-        "slamd_pose_age_seconds 0.25", "slamd_source_healthy{source=\"imu\"} 0", "slamd_source_lost_total{source=\"imu\"} 3",
+        "slamd_pose_age_seconds 0.25", "slamd_source_state{source=\"imu\",state=\"faulty\"} 1",
+        "slamd_source_state{source=\"imu\",state=\"healthy\"} 0", "slamd_source_faulty_total{source=\"imu\"} 2", "slamd_source_lost_total{source=\"imu\"} 3",
         "slamd_source_rejected_total{source=\"imu\",cause=\"crc\"} 4", "slamd_ring_dropped_total{ring=\"imu\"} 2",
         "slamd_stage_seconds{stage=\"scan\",quantile=\"0.5\"} 0.004", "slamd_stage_seconds_count{stage=\"scan\"} 10",
         "slamd_events_total{event=\"scans\"} 10", "slamd_map_bytes 16", "slamd_clients 1"}) {

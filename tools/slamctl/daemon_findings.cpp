@@ -12,10 +12,13 @@ using doctor::Finding;
 using doctor::Verdict;
 using nlohmann::json;
 
-std::string remedy_for_source(const std::string& state) {
-  if (state == "absent") return "plug it in; its device in slamd.yaml must be the one under /dev, readable for slamd";
-  if (state == "silent") return "see to its power and cable, and that device, port and speed in slamd.yaml are its own";
-  if (state == "no_fix") return "see to the antenna and its view of the sky";
+std::string remedy_for_source(const std::string& reason) {
+  if (reason == "no_device") return "plug it in; its device in slamd.yaml must be the one under /dev, readable for slamd";
+  if (reason == "silent") return "see to its power and cable, and that device, port and speed in slamd.yaml are its own";
+  if (reason == "no_fix") return "see to the antenna and its view of the sky";
+  if (reason == "slow" || reason == "lossy") return "see to its cable and network, its own settings, and the processor's load";
+  if (reason == "unused" || reason == "doubted") return "it contradicts the others: see to its mounting (vehicle in slamd.yaml), or replace it";
+  if (reason == "unsure_clock") return "wait some seconds; if it stays, see to the sensor's clock and power";
   return "something else speaks there: `slamctl status --json` counts what was refused by cause";
 }
 
@@ -30,11 +33,10 @@ Finding pose_finding(const json& pose) {
 }
 
 Finding source_finding(const std::string& name, const json& source) {
-  const std::string state = source.at("state"), device = source.at("device");
+  const std::string state = source.at("state"), reason = source.at("reason"), device = source.at("device");
   if (device.empty()) return {Verdict::kUnknown, name, "none is configured", "its device in slamd.yaml, if there is one"};
-  const std::string found = state + ", " + device;
-  if (state == "healthy") return {Verdict::kRight, name, found};
-  return {Verdict::kWrong, name, found, remedy_for_source(state)};
+  if (state == "healthy") return {Verdict::kRight, name, state + ", " + device};
+  return {Verdict::kWrong, name, state + " (" + reason + "), " + device, remedy_for_source(reason)};
 }
 
 Finding ring_finding(const json& rings) {

@@ -58,7 +58,8 @@ std::string pose_metrics(const json& pose) {
 }
 
 std::string source_metrics(const json& sources) {
-  Family healthy{"slamd_source_healthy", "gauge", "1 when the sensor is healthy."};
+  Family state{"slamd_source_state", "gauge", "1 for the sensor's state, 0 for the others."};
+  Family faulty{"slamd_source_faulty_total", "counter", "Times that the sensor became faulty."};
   Family rate{"slamd_source_rate_hertz", "gauge", "Good items a second."};
   Family age{"slamd_source_age_seconds", "gauge", "Age of the newest good item."};
   Family received{"slamd_source_received_total", "counter", "Good items."};
@@ -66,7 +67,10 @@ std::string source_metrics(const json& sources) {
   Family rejected{"slamd_source_rejected_total", "counter", "Items refused, by cause."};
   for (const auto& [name, source] : sources.items()) {
     const Labels labels{{"source", name}};
-    healthy.add(source.at("state") == "healthy" ? 1 : 0, labels);
+    for (const char* each : {"absent", "starting", "healthy", "degraded", "faulty"}) {
+      state.add(source.at("state") == each ? 1 : 0, {{"source", name}, {"state", each}});
+    }
+    faulty.add(source.at("times_faulty"), labels);
     rate.add(source.at("rate_hz"), labels);
     age.add(source.at("age_s"), labels);
     received.add(source.at("received"), labels);
@@ -75,7 +79,7 @@ std::string source_metrics(const json& sources) {
       rejected.add(count, {{"source", name}, {"cause", cause}});
     }
   }
-  return healthy.text() + rate.text() + age.text() + received.text() + lost.text() + rejected.text();
+  return state.text() + faulty.text() + rate.text() + age.text() + received.text() + lost.text() + rejected.text();
 }
 
 std::string ring_metrics(const json& rings) {

@@ -44,9 +44,11 @@ std::string clock_line(const json& source) {
 std::string source_line(const std::string& name, const json& source) {
   double rejected = 0.0;
   for (const json& count : source.at("rejected")) rejected += count.get<double>();
-  return format("  %-8s %-9s %8.1f /s  age %6.3f s  lost %.0f  rejected %.0f  %s\n", name.c_str(),
-                source.at("state").get<std::string>().c_str(), number(source, "rate_hz"), number(source, "age_s"),
-                number(source, "lost"), rejected, source.at("device").get<std::string>().c_str()) +
+  const std::string state = source.at("state"), reason = source.at("reason");
+  const std::string stands = state == "healthy" ? state : state + " (" + reason + ")";
+  return format("  %-8s %-9s %8.1f /s  age %6.3f s  lost %.0f  rejected %.0f  %s\n", name.c_str(), stands.c_str(),
+                number(source, "rate_hz"), number(source, "age_s"), number(source, "lost"), rejected,
+                source.at("device").get<std::string>().c_str()) +
          clock_line(source);
 }
 
