@@ -4,7 +4,12 @@ namespace slamd {
 
 std::vector<Field> back_end_fields(BackEndConfig& c) {
   MapGraphConfig& graph = c.mapper.graph;
+  RelocaliserConfig& again = c.relocaliser;
   return {
+      {"relocalisation.confirm_m", &again.confirm_m, "m", {0, 100},
+       "a place found by looks alone counts when another one, so far on, says the same"},
+      {"relocalisation.patience_m", &again.patience_m, "m", {1, 1e5},
+       "driven after being lost without finding the map again; then a new one begins"},
       {"graph.use_loops", &c.use_loops, "", {}, "search for places seen before and close loops"},
       {"graph.cloud_byte_budget", &c.loops.clouds.byte_budget, "B", {1U << 20U, 1e12},
        "of the points for closing loops; beyond it no loop is closed with the oldest keyframes"},

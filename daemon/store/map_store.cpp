@@ -68,7 +68,10 @@ void choose(MapSnapshot::Part part, const MapQuery& query, VoxelSet& voxels, Map
 }  // namespace
 
 MapStore::MapStore(const MapStoreConfig& config, const Pose& T_base_lidar)
-    : config_{config}, recent_{config.voxel_size_m, config.shared_keyframes}, moving_{config.moving, T_base_lidar} {
+    : config_{config},
+      T_base_lidar_{T_base_lidar},
+      recent_{config.voxel_size_m, config.shared_keyframes},
+      moving_{config.moving, T_base_lidar} {
   counts_.byte_budget = config.byte_budget;
 }
 MapStore::~MapStore() = default;
@@ -150,6 +153,18 @@ void MapStore::keep_budget() {
     ++counts_.changes;
     keyframes_.erase(oldest);
   }
+}
+
+void MapStore::clear() {
+  recent_ = RecentVoxels{config_.voxel_size_m, config_.shared_keyframes};
+  moving_ = MovingPoints{config_.moving, T_base_lidar_};
+  const std::lock_guard lock{mutex_};
+  while (!keyframes_.empty()) {
+    account(keyframes_.begin()->second, false);
+    keyframes_.erase(keyframes_.begin());
+  }
+  reference_.reset();
+  ++counts_.changes;
 }
 
 void MapStore::move(std::span<const KeyframePose> poses) {

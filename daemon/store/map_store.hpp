@@ -75,6 +75,9 @@ class MapStore {
   /// T_map_odom  where odom lies in map at that moment; the keyframe stays at T_map_odom * state.T_odom_base.
   void add(const Keyframe& keyframe, const Pose& T_map_odom = {});
 
+  /// Forgets everything: a new map begins, whose ids count from 0 again. The adding thread.
+  void clear();
+
   /// Moves keyframes that the pose graph has corrected: one assignment each, unknown ids are ignored.
   void move(std::span<const KeyframePose> poses);
 
@@ -102,6 +105,7 @@ class MapStore {
   void account(const StoredKeyframe& keyframe, bool added);         // likewise
 
   const MapStoreConfig config_;
+  const Pose T_base_lidar_;
   RecentVoxels recent_;    // of the adding thread
   MovingPoints moving_;    // likewise
   mutable std::mutex mutex_;

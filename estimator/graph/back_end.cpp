@@ -10,4 +10,8 @@ Mapper make_mapper(const BackEndConfig& config, const VehicleGeometry& vehicle) 
   return Mapper{config.mapper, std::move(loops), std::move(positions)};
 }
 
+Relocaliser make_relocaliser(const BackEndConfig& config, const VehicleGeometry& vehicle) {
+  return {config.relocaliser, [=] { return make_mapper(config, vehicle); }, vehicle.T_base_lidar.translation};
+}
+
 }  // namespace slamd

@@ -4,6 +4,7 @@
 #include "estimator/graph/gnss_alignment.hpp"
 #include "estimator/graph/loop_closer.hpp"
 #include "estimator/graph/mapper.hpp"
+#include "estimator/graph/relocaliser.hpp"
 
 namespace slamd {
 
@@ -13,9 +14,13 @@ struct BackEndConfig {
   LoopCloserConfig loops;
   bool use_gps = true;
   GnssAlignmentConfig gps;
+  RelocaliserConfig relocaliser;
 };
 
 /// A mapper with the parts that the configuration asks for.
 Mapper make_mapper(const BackEndConfig& config, const VehicleGeometry& vehicle);
+
+/// The whole back end: such mappers, and one map over all pieces of odometry.
+Relocaliser make_relocaliser(const BackEndConfig& config, const VehicleGeometry& vehicle);
 
 }  // namespace slamd

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <ranges>
 
 namespace slamd {
 
@@ -12,21 +12,11 @@ namespace {
 
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSigmas = 3.0;
-constexpr double kSureDistance_m = 0.7;   // registration finds home from here by itself
-constexpr double kSureYaw_rad = 2.0 * std::numbers::pi / 180.0;
 constexpr double kDoubtfulWeight = 0.1;
 constexpr std::uint32_t kDoubtsToRetract = 2;
 constexpr std::size_t kPreselected = 12;
-constexpr PlanarWindow kLookAlikeWindow{.distance_m = 15.0, .yaw_rad = 0.16};
-
-PlanarPose planar(const Pose& T) {
-  const Eigen::Vector3d ahead = T.rotation * Eigen::Vector3d::UnitX();
-  return {T.translation.x(), T.translation.y(), std::atan2(ahead.y(), ahead.x())};
-}
-
-Pose spatial(const PlanarPose& T, double height_m) {
-  return {Eigen::Quaterniond{Eigen::AngleAxisd{T.yaw_rad, Eigen::Vector3d::UnitZ()}}, {T.x_m, T.y_m, height_m}};
-}
+constexpr std::size_t kLooksTried = 3;      // places verified in one attempt to recognise one
+constexpr PlanarWindow kRecognitionWindow{.distance_m = 8.0, .yaw_rad = 0.5};
 
 /// The larger of the two horizontal sigmas.
 double horizontal_sigma_m(const Matrix6d& covariance) {
@@ -51,6 +41,7 @@ void LoopCloser::add(const Keyframe& keyframe) {
   const Eigen::Vector3d& position = keyframe.state.T_odom_base.translation;
   driven_m_.push_back(driven_m_.empty() ? 0.0 : driven_m_.back() + (position - last_position_).norm());
   last_position_ = position;
+  pieces_.push_back(keyframe.state.odom_piece);
   clouds_.add(keyframe.points);
 }
 
@@ -99,11 +90,24 @@ std::vector<LoopCloser::Candidate> LoopCloser::look_alikes(const GraphView& view
   const Eigen::Vector3d& p_map = view.keyframes[to].T_map_base.translation;
   const PlaceDescriptor here =
       describe(clouds_.submap(view.odometry, to, config_.keyframes_behind, config_.keyframes_ahead));
+  const std::vector<PlaceMatch> matches = ranked_places(here, [&](std::size_t from) {
+    const bool in_reach = (view.keyframes[from].T_map_base.translation - p_map).norm() < radius_m;
+    return from + config_.min_keyframes_back <= to && in_reach && is_loop(view, from, to);
+  });
+  std::vector<Candidate> candidates;
+  for (const PlaceMatch& m : matches) {
+    if (candidates.size() == config_.candidates_by_appearance || m.distance > config_.max_descriptor_distance) break;
+    candidates.push_back(look_alike(view, places_[m.place], to, m));
+  }
+  return candidates;
+}
+
+/// Of the eligible keyframes with a descriptor those that look most like it, the best first.
+template <class Eligible>
+std::vector<PlaceMatch> LoopCloser::ranked_places(const PlaceDescriptor& here, Eligible&& eligible) const {
   std::vector<PlaceMatch> matches;
-  for (std::size_t i = 0; i < places_.size() && places_[i] + config_.min_keyframes_back <= to; ++i) {
-    const bool in_reach = (view.keyframes[places_[i]].T_map_base.translation - p_map).norm() < radius_m;
-    if (!in_reach || !is_loop(view, places_[i], to)) continue;
-    matches.push_back({.place = i, .distance = ring_key_distance(descriptors_[i], here)});
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    if (eligible(places_[i])) matches.push_back({.place = i, .distance = ring_key_distance(descriptors_[i], here)});
   }
   const auto closer = [](const PlaceMatch& a, const PlaceMatch& b) { return a.distance < b.distance; };
   std::ranges::stable_sort(matches, closer);
@@ -114,20 +118,13 @@ std::vector<LoopCloser::Candidate> LoopCloser::look_alikes(const GraphView& view
     m.place = place;
   }
   std::ranges::stable_sort(matches, closer);
-  std::vector<Candidate> candidates;
-  for (const PlaceMatch& m : matches) {
-    if (candidates.size() == config_.candidates_by_appearance || m.distance > config_.max_descriptor_distance) break;
-    candidates.push_back(look_alike(view, places_[m.place], to, m));
-  }
-  return candidates;
+  return matches;
 }
 
 LoopCloser::Candidate LoopCloser::look_alike(const GraphView& view, std::size_t from, std::size_t to,
                                              const PlaceMatch& match) const {
   Candidate found = candidate(view, from, to);
-  found.T_from_to = {.x_m = 0.0, .y_m = 0.0, .yaw_rad = match.yaw_rad};
-  found.height_m = kNoNumber;
-  found.window = kLookAlikeWindow;
+  found.guess = guess_of(match);
   found.report.by_appearance = true;
   found.report.descriptor_distance = match.distance;
   return found;
@@ -141,6 +138,7 @@ bool LoopCloser::is_loop(const GraphView& view, std::size_t from, std::size_t to
 
 /// The odometry's own map has not forgotten the place in between.
 bool LoopCloser::is_held_by_odometry(const GraphView& view, std::size_t from, std::size_t to) const {
+  if (pieces_[from] != pieces_[to]) return false;
   const Eigen::Vector3d& p_odom = view.odometry.T_odom_base(from).translation;
   for (std::size_t i = from + 1; i < to; ++i) {
     const Eigen::Vector3d away = view.odometry.T_odom_base(i).translation - p_odom;
@@ -157,10 +155,10 @@ LoopCloser::Candidate LoopCloser::candidate(const GraphView& view, std::size_t f
   Candidate result;
   result.from = from;
   result.to = to;
-  result.T_from_to = planar(T_from_to);
-  result.height_m = T_from_to.translation.z();
-  result.window = {.distance_m = kSigmas * horizontal_sigma_m(covariance),
-                   .yaw_rad = kSigmas * std::sqrt(std::max(0.0, covariance(5, 5)))};
+  result.guess = {.T_target_source = planar(T_from_to),
+                  .height_m = T_from_to.translation.z(),
+                  .window = {.distance_m = kSigmas * horizontal_sigma_m(covariance),
+                             .yaw_rad = kSigmas * std::sqrt(std::max(0.0, covariance(5, 5)))}};
   result.report = {.from = from,
                    .to = to,
                    .distance_m = T_from_to.translation.norm(),
@@ -173,6 +171,43 @@ LoopCloser::Candidate LoopCloser::candidate(const GraphView& view, std::size_t f
                    .graph_weight = kNoNumber,
                    .T_from_to = T_map_from.inverse() * T_map_to};
   return result;
+}
+
+std::optional<Recognition> LoopCloser::recognise(const GraphView& view, const PieceView& piece,
+                                                 const std::optional<Pose>& T_map_guess) const {
+  const std::size_t newest = piece.odometry.size() - 1;
+  const Submap here = piece.clouds.submap(piece.odometry, newest, config_.keyframes_behind, 0);
+  const auto check = [&](std::size_t place, const PlaceGuess& guess) -> std::optional<Recognition> {
+    const std::uint32_t around = config_.keyframes_behind;
+    const PlaceCheck found = check_place(clouds_.submap(view.odometry, place, around, around), here, guess, config_);
+    if (found.ended_at != LoopStage::kAccepted) return std::nullopt;
+    return Recognition{place, newest, found.T_target_source, !T_map_guess};
+  };
+  if (T_map_guess) {
+    const std::optional<std::size_t> nearest = nearest_place(view, T_map_guess->translation);
+    if (!nearest) return std::nullopt;
+    const Pose T_place_guess = level(view.keyframes[*nearest].T_map_base).inverse() * level(*T_map_guess);
+    return check(*nearest, {.T_target_source = planar(T_place_guess), .window = kRecognitionWindow});
+  }
+  const std::vector<PlaceMatch> matches = ranked_places(describe(here), [](std::size_t) { return true; });
+  for (const PlaceMatch& m : matches | std::views::take(kLooksTried)) {
+    if (m.distance > config_.max_descriptor_distance) break;
+    if (const std::optional<Recognition> found = check(places_[m.place], guess_of(m))) return found;
+  }
+  return std::nullopt;
+}
+
+/// The keyframe nearest to p_map, if it is near.
+std::optional<std::size_t> LoopCloser::nearest_place(const GraphView& view, const Eigen::Vector3d& p_map) const {
+  std::optional<std::size_t> nearest;
+  double nearest_m = kRecognitionWindow.distance_m;
+  for (std::size_t i = clouds_.forgotten(); i < std::min(clouds_.size(), view.keyframes.size()); ++i) {
+    const double distance_m = (view.keyframes[i].T_map_base.translation - p_map).norm();
+    if (distance_m >= nearest_m) continue;
+    nearest = i;
+    nearest_m = distance_m;
+  }
+  return nearest;
 }
 
 LoopStage LoopCloser::try_pair(const GraphView& view, std::uint64_t from, std::uint64_t to, Guess guess) {
@@ -189,42 +224,22 @@ LoopStage LoopCloser::try_pair(const GraphView& view, std::uint64_t from, std::u
   return stage;
 }
 
-/// A better first guess where the window is wide. False: nothing fits, or several places fit equally well.
-bool LoopCloser::guess(const Submap& target, const Submap& source, Candidate& candidate) const {
-  if (candidate.window.distance_m < kSureDistance_m && candidate.window.yaw_rad < kSureYaw_rad) return true;
-  const PlanarMatch found = search(BirdView{target}, BirdView{source}, candidate.T_from_to, candidate.window);
-  candidate.T_from_to = found.T_target_source;
-  candidate.height_m = found.height_m;
-  const bool wide = candidate.window.distance_m > 2.0 * PlanarMatch::kApart_m;
-  return found.score >= config_.min_search_score && !(wide && found.runner_up > config_.max_runner_up * found.score);
-}
-
 LoopStage LoopCloser::verify(const GraphView& view, Candidate& candidate) {
   LoopCandidateReport& report = candidate.report;
   const auto ends = [&](LoopStage stage) { return report.ended_at = stage; };
   const std::uint32_t behind = config_.keyframes_behind;
   const Submap target = clouds_.submap(view.odometry, candidate.from, behind, behind);
   const Submap source = clouds_.submap(view.odometry, candidate.to, behind, config_.keyframes_ahead);
-  if (!guess(target, source, candidate)) return ends(LoopStage::kSearch);
+  const PlaceCheck check = check_place(target, source, candidate.guess, config_);
+  report.fitness = check.fitness;
+  report.overlap = check.overlap;
+  report.free_space_share = check.free_space_share;
+  if (check.registered) {
+    report.T_from_to = target.T_level_base.inverse() * check.T_target_source.T_a_b * source.T_level_base;
+  }
+  if (check.ended_at != LoopStage::kAccepted) return ends(check.ended_at);
 
-  PlaneMap target_surfaces = surfaces(target.points);
-  PlaneMap source_surfaces = surfaces(source.points);
-  const SubmapMatch match = register_submap(
-      target_surfaces, choose_points(source.points, source_surfaces, config_.registration.max_points),
-      spatial(candidate.T_from_to, candidate.height_m), config_.registration);
-  report.fitness = match.inlier_share;
-  report.T_from_to = target.T_level_base.inverse() * match.T_target_source.T_a_b * source.T_level_base;
-  if (!match.converged || match.inlier_share < config_.min_fitness) return ends(LoopStage::kRegistration);
-  report.overlap = match.overlap;
-  if (match.overlap < config_.min_overlap) return ends(LoopStage::kOverlap);
-
-  const Pose& T_target_source = match.T_target_source.T_a_b;
-  report.free_space_share =
-      std::max(check_free_space(target_surfaces, source, T_target_source, config_.free_space).share(),
-               check_free_space(source_surfaces, target, T_target_source.inverse(), config_.free_space).share());
-  if (report.free_space_share > config_.max_free_space_share) return ends(LoopStage::kFreeSpace);
-
-  const LoopClosure closure = closure_of(target, source, match.T_target_source);
+  const LoopClosure closure = closure_of(target, source, check.T_target_source);
   report.odometry_chi2 = odometry_distance2(view.odometry, closure);
   if (report.odometry_chi2 > config_.max_chi2) return ends(LoopStage::kOdometry);
   report.ended_at = LoopStage::kAccepted;

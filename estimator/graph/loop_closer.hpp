@@ -2,39 +2,14 @@
 // Finds earlier visits of where the vehicle is and says, by stages that each can refuse, how the two fit together. Solves
 // no graph: what it accepts is a LoopSource's closures.
 
-#include "estimator/graph/bird_view.hpp"
 #include "estimator/graph/closure_consistency.hpp"
-#include "estimator/graph/free_space.hpp"
 #include "estimator/graph/keyframe_clouds.hpp"
+#include "estimator/graph/loop_closer_config.hpp"
 #include "estimator/graph/loop_closure.hpp"
+#include "estimator/graph/place_check.hpp"
 #include "estimator/graph/place_descriptor.hpp"
-#include "estimator/graph/submap_registration.hpp"
 
 namespace slamd {
-
-struct LoopCloserConfig {
-  KeyframeCloudsConfig clouds;
-  SubmapRegistrationConfig registration;
-  FreeSpaceConfig free_space;
-  double radius_m = 20.0;                 // grows with the uncertainty of the pose
-  std::uint32_t min_keyframes_back = 8;
-  double min_detour_m = 20.0;             // driven in between, beyond three times the straight way: else it is no loop
-  // Half the cube of the odometry's own map (set by the configuration from PlaneMapConfig::max_distance_m): a place that never
-  // left it is still in that map, and the odometry has closed the loop itself, unless it lost its way by more than this sigma.
-  double local_map_reach_m = 110.0;
-  double max_held_sigma_m = 0.2;
-  std::uint32_t search_every = 4;         // keyframes
-  std::uint32_t keyframes_ahead = 4;      // that a place waits for, so that its sub-map is round
-  std::uint32_t keyframes_behind = 8;
-  std::uint32_t candidates_by_appearance = 2;
-  double max_descriptor_distance = 0.6;
-  double min_search_score = 0.35;         // of the view from above
-  double max_runner_up = 0.92;            // of the best score: beyond, the place repeats itself
-  double min_fitness = 0.5;
-  double min_overlap = 0.4;
-  double max_free_space_share = 0.06;
-  double max_chi2 = 22.46;                // 6 degrees of freedom, 99.9 %
-};
 
 class LoopCloser final : public LoopSource {
  public:
@@ -46,6 +21,8 @@ class LoopCloser final : public LoopSource {
   std::span<const LoopClosure> closures() const override { return closures_; }
   void weigh(std::span<const double> weights) override;
   std::span<const LoopCandidateReport> reports() const override { return reports_; }
+  std::optional<Recognition> recognise(const GraphView& view, const PieceView& piece,
+                                       const std::optional<Pose>& T_map_guess) const override;
   std::size_t forgotten() const override { return clouds_.forgotten(); }
 
   enum class Guess { kByOdometry, kSamePlace };
@@ -59,9 +36,7 @@ class LoopCloser final : public LoopSource {
   struct Candidate {
     std::size_t from = 0;
     std::size_t to = 0;
-    PlanarPose T_from_to;     // guess, level frames
-    double height_m = 0.0;
-    PlanarWindow window;      // around the guess
+    PlaceGuess guess;
     LoopCandidateReport report;
   };
   /// A closure that passed all stages but consistency, and what became of it.
@@ -72,7 +47,10 @@ class LoopCloser final : public LoopSource {
     bool retracted = false;
   };
 
+  std::optional<std::size_t> nearest_place(const GraphView& view, const Eigen::Vector3d& p_map) const;
   void look_from(const GraphView& view, std::size_t to);
+  template <class Eligible>
+  std::vector<PlaceMatch> ranked_places(const PlaceDescriptor& here, Eligible&& eligible) const;
   std::vector<Candidate> near_candidates(const GraphView& view, std::size_t to) const;
   std::vector<Candidate> look_alikes(const GraphView& view, std::size_t to, double radius_m) const;
   Candidate look_alike(const GraphView& view, std::size_t from, std::size_t to, const PlaceMatch& match) const;
@@ -80,13 +58,13 @@ class LoopCloser final : public LoopSource {
   bool is_held_by_odometry(const GraphView& view, std::size_t from, std::size_t to) const;
   Candidate candidate(const GraphView& view, std::size_t from, std::size_t to) const;
   LoopStage verify(const GraphView& view, Candidate& candidate);
-  bool guess(const Submap& target, const Submap& source, Candidate& candidate) const;
   void take_in(const GraphView& view, const LoopClosure& closure, LoopCandidateReport report);
   void collect();
 
   LoopCloserConfig config_;
   KeyframeClouds clouds_;
   std::vector<double> driven_m_;              // up to each keyframe
+  std::vector<std::uint32_t> pieces_;         // of odometry, each with a local map of its own; one a keyframe
   Eigen::Vector3d last_position_ = Eigen::Vector3d::Zero();
   std::vector<std::size_t> places_;           // keyframes that have a descriptor
   std::vector<PlaceDescriptor> descriptors_;  // of places_

@@ -8,6 +8,7 @@
 
 #include "estimator/graph/graph_solution.hpp"
 #include "estimator/graph/odometry_chain.hpp"
+#include "estimator/graph/place_recognition.hpp"
 #include "estimator/types/keyframe.hpp"
 
 namespace slamd {
@@ -71,6 +72,13 @@ class LoopSource {
   /// After each solve: robust weight of each of closures(), in their order, 0 = contradicted by the rest, 1 = fits. The
   /// source decides what to retract; it is gone from closures() after the next update().
   virtual void weigh(std::span<const double> weights) = 0;
+  /// Where in the map the newest keyframe of `piece` is: near T_map_guess when that is given, else by looks among all places.
+  /// Verified as closures are, but not against any odometry. None: nothing fits, or more than one place does.
+  virtual std::optional<Recognition> recognise(const GraphView& view, const PieceView& piece,
+                                               const std::optional<Pose>& T_map_guess) const {
+    static_cast<void>(view), static_cast<void>(piece), static_cast<void>(T_map_guess);
+    return std::nullopt;
+  }
   /// So many of the oldest keyframes no loop can be closed with any more.
   virtual std::size_t forgotten() const { return 0; }
   /// One a candidate, in order of `to`, with its newest verdict.

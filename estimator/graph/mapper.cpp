@@ -49,9 +49,8 @@ bool Mapper::finish() {
 }
 
 bool Mapper::ask_sources() {
-  const GraphView view{keyframes_, odometry_};
-  const bool closed = loops_ && loops_->update(view);
-  const bool positioned = positions_ && positions_->update(view, enu_);
+  const bool closed = loops_ && loops_->update(view());
+  const bool positioned = positions_ && positions_->update(view(), enu_);
   return closed || positioned;
 }
 

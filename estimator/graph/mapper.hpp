@@ -46,6 +46,12 @@ class Mapper {
   /// Of every keyframe, those after the newest solve chained by odometry.
   std::span<const KeyframeEstimate> keyframes() const { return keyframes_; }
 
+  GraphView view() const { return {keyframes_, odometry_}; }
+  /// As LoopSource::recognise in this map; none without a search for loops.
+  std::optional<Recognition> recognise(const PieceView& piece, const std::optional<Pose>& T_map_guess) const {
+    return loops_ && !keyframes_.empty() ? loops_->recognise(view(), piece, T_map_guess) : std::nullopt;
+  }
+
   /// Every candidate of the search for loops so far; empty without one.
   std::span<const LoopCandidateReport> loop_reports() const;
   /// Every fix so far; empty without GPS.

@@ -58,14 +58,17 @@ const ScanResult* LidarInertialOdometry::fuse(const Scan& scan) {
     ++stats_.scans_late;
     return nullptr;
   }
+  if (has_lost_its_way(scan)) return start_over(scan.end);
   result_ = {};
   result_.has_scan = true;
   last_scan_ = scan.end;
+  const bool was_lost = fusion_.velocity_search().is_overdue(scan.end);
   const FilterSnapshot before = filter_;
   const DeadReckoningSummary carried = carry_to(scan);
   finished(Stage::kPropagate);
   result_.update = fusion_.fuse(scan, carried.measured_s == 0.0, filter_, listener_);
   if (!is_sane(filter_)) return start_over(scan.end);
+  if (was_lost && !fusion_.velocity_search().is_on()) ++stats_.resets;
   estimate_rate(before, carried);
   fusion_.carry_drift(before, filter_);
   conclude(carried, scan.complete);
@@ -117,7 +120,20 @@ void LidarInertialOdometry::pick_keyframe(const Scan& scan) {
   result_.scan_span = scan.end - scan.begin;
 }
 
-/// A state that is no number any more cannot be mended by further measurements: initialise anew.
+/// LOST, and not by scans that fit but leave a direction free: what the local map is compared with at a pose that is metres
+/// off agrees by chance only.
+bool LidarInertialOdometry::has_lost_its_way(const Scan& scan) const {
+  if (fusion_.velocity_search().is_on()) return false;
+  const bool was_silent = scan.begin - last_scan_ > from_seconds(config_.lidar_timeout_s);
+  return (was_silent || fusion_.unfused() > 0) && local_sigma_m() > config_.status.lost_sigma_m;
+}
+
+/// Of position, relative to the local map.
+double LidarInertialOdometry::local_sigma_m() const {
+  return std::sqrt(filter_.covariance.block<3, 3>(I::kPosition, I::kPosition).trace());
+}
+
+/// A state that is lost, or no number any more, cannot be mended by further measurements: initialise anew.
 const ScanResult* LidarInertialOdometry::start_over(HostTime time) {
   ++stats_.resets;
   starter_.clear();
@@ -131,6 +147,7 @@ const ScanResult* LidarInertialOdometry::not_yet(HostTime time, std::uint32_t re
   result_ = {};
   result_.has_scan = true;
   result_.state.time = result_.snapshot.time = time;
+  result_.state.odom_piece = odom_piece();
   result_.state.reasons = reasons;
   return &result_;
 }
@@ -153,6 +170,7 @@ const ScanResult* LidarInertialOdometry::pass_time() {
 void LidarInertialOdometry::conclude(const DeadReckoningSummary& carried, bool complete_scan) {
   NavState& state = result_.state;
   state = base_state(filter_, geometry_.T_base_imu);
+  state.odom_piece = odom_piece();
   result_.snapshot = filter_;
   const Judgement judgement = judge(
       config_.status,
@@ -167,7 +185,7 @@ void LidarInertialOdometry::conclude(const DeadReckoningSummary& carried, bool c
        .velocity_unknown = fusion_.velocity_search().is_on(),
        .velocity_overdue = fusion_.velocity_search().is_overdue(state.time),
        .unfused_scans = fusion_.unfused(),
-       .local_sigma_m = std::sqrt(filter_.covariance.block<3, 3>(I::kPosition, I::kPosition).trace()),
+       .local_sigma_m = local_sigma_m(),
        .update = result_.update});
   state.status = judgement.status;
   state.reasons = judgement.reasons;

@@ -44,7 +44,7 @@ struct OdometryStats {
   ScanQueueStats queue;
   ScanFusionStats fusion;
   std::uint64_t scans_late = 0;      // older than the filter when they came
-  std::uint64_t resets = 0;          // the state was no number any more: initialised anew
+  std::uint64_t resets = 0;          // odom begun anew: the state was no number any more, or lost
 };
 
 class LidarInertialOdometry {
@@ -74,9 +74,12 @@ class LidarInertialOdometry {
   DeadReckoningSummary carry_to(const Scan& scan);
   void estimate_rate(const FilterSnapshot& before, const DeadReckoningSummary& carried);
   void pick_keyframe(const Scan& scan);
+  bool has_lost_its_way(const Scan& scan) const;
+  double local_sigma_m() const;
   const ScanResult* start_over(HostTime time);
   const ScanResult* not_yet(HostTime time, std::uint32_t reasons);
   bool is_silent() const;
+  std::uint32_t odom_piece() const { return static_cast<std::uint32_t>(stats_.resets); }
   const ScanResult* pass_time();
   void conclude(const DeadReckoningSummary& carried, bool complete_scan);
   void finished(Stage stage) const { if (listener_ != nullptr) listener_->finished(stage); }

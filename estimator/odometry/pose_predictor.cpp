@@ -31,6 +31,7 @@ NavState PosePredictor::coast_to(HostTime time) {
 
 NavState PosePredictor::state() const {
   NavState out = base_state(filter_, T_base_imu_);
+  out.odom_piece = posterior_.odom_piece;
   out.status = posterior_.status;
   out.reasons = posterior_.reasons;
   out.degenerate_direction = posterior_.degenerate_direction;

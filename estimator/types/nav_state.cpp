@@ -26,6 +26,7 @@ const char* name(StatusReason reason) {
     case StatusReason::kClockUnsure: return "clock_unsure";
     case StatusReason::kReset: return "reset";
     case StatusReason::kLidarIncomplete: return "lidar_incomplete";
+    case StatusReason::kRelocalising: return "relocalising";
   }
   return "?";
 }

@@ -25,6 +25,7 @@ enum class StatusReason : std::uint32_t {
   kClockUnsure = 1U << 9,      // a device's clock jumped or is not yet locked
   kReset = 1U << 10,           // the filter was restarted; odom has a new origin
   kLidarIncomplete = 1U << 11, // part of the revolution was lost
+  kRelocalising = 1U << 12,    // where odom lies in the existing map is not known yet: the pose in map is a guess
 };
 
 constexpr std::uint32_t bit(StatusReason r) { return static_cast<std::uint32_t>(r); }
@@ -35,6 +36,7 @@ const char* name(StatusReason reason);
 
 struct NavState {
   HostTime time;                                                 // the instant that all below describes
+  std::uint32_t odom_piece = 0;  // counts beginnings of odom: poses of two pieces have no odom in common
   Pose T_odom_base;
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();        // of base, in odom
   Eigen::Vector3d angular_velocity_rads = Eigen::Vector3d::Zero();  // of base, in base

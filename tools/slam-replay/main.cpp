@@ -83,8 +83,10 @@ int run(const Options& options) {
   replay::Output output{options.out};
   BackEndConfig& back_end = config.value.back_end;
   back_end.use_loops = back_end.use_loops && !options.no_loops;
-  replay::Replay replay{config.value.vehicle, config.value.odometry, config.value.map,
-                        make_mapper(back_end, config.value.vehicle, options.wrong_candidates)};
+  const VehicleGeometry& vehicle = config.value.vehicle;
+  Relocaliser relocaliser{back_end.relocaliser, [&] { return make_mapper(back_end, vehicle, options.wrong_candidates); },
+                          vehicle.T_base_lidar.translation};
+  replay::Replay replay{vehicle, config.value.odometry, config.value.map, std::move(relocaliser)};
   Progress progress{"replay", 1.0, options.quiet, ""};
   replay.run(drive, output, progress, !options.no_map);
   replay::Report report = replay.report();

@@ -5,10 +5,10 @@
 namespace slamd::replay {
 
 Replay::Replay(const VehicleGeometry& vehicle, const OdometryConfig& odometry, const MapStoreConfig& map,
-               Mapper mapper)
+               Relocaliser relocaliser)
     : odometry_{vehicle, odometry},
       predictor_{vehicle, odometry.dead_reckoning, odometry.imu},
-      mapper_{std::move(mapper)},
+      relocaliser_{std::move(relocaliser)},
       map_{map, vehicle.T_base_lidar} {
   odometry_.set_stage_listener(&times_);
 }
@@ -44,7 +44,7 @@ bool Replay::take(const Event& event, Output& output) {
   } else if (const auto* fix = std::get_if<GnssFix>(&event)) {
     note(fix->arrival);
     ++report_.fixes;
-    if (with_map_) mapper_.add(*fix);
+    if (with_map_) relocaliser_.add(*fix);
   } else if (const auto* silence = std::get_if<Silence>(&event)) {
     odometry_.advance(silence->until);
   }
@@ -62,17 +62,18 @@ void Replay::step(Output& output) {
 }
 
 void Replay::keep(const ScanResult& result, Output& output) {
-  const NavState& state = result.state;
+  const bool placed = !with_map_ || relocaliser_.link().places(result.state);
+  const NavState state = placed ? result.state : unplaced(result.state);
   const bool changed = report_.status.empty() || report_.status.back().status != state.status ||
                        report_.status.back().reasons != state.reasons;
   if (changed) report_.status.push_back({state.time, state.status, state.reasons});
   if (state.status == TrackingStatus::kInitialising) return;
-  predictor_.correct(result.snapshot, state);
+  predictor_.correct(result.snapshot, result.state);
   report_.last = state;
   if (!result.has_scan) return;
   ++report_.scans;
-  output.scan(state);
-  if (with_map_) path_.push_back({state.time, state.T_odom_base});
+  output.scan(result.state);
+  if (with_map_) path_.push_back(result.state);
   if (result.is_keyframe) keep_keyframe(result, output);
 }
 
@@ -86,17 +87,30 @@ void Replay::keep_keyframe(const ScanResult& result, Output& output) {
   keyframe_.points = odometry_.keyframe_points();
   output.keyframe(keyframe_);
   if (!with_map_) return;
-  mapper_.add(keyframe_);
-  map_.add(keyframe_, mapper_.solution()->T_map_odom);
-  const std::shared_ptr<const GraphSolution> before = mapper_.solution();
-  if (mapper_.solve()) correct_map(*mapper_.solution(), *before, map_);
+  const Relocaliser::Entered entered = relocaliser_.add(keyframe_);
+  Mapper& mapper = relocaliser_.mapper();
+  if (entered.map_began_anew) map_.clear();
+  for (const Keyframe& keyframe : entered.keyframes) map_.add(keyframe, mapper.solution()->T_map_odom);
+  const std::shared_ptr<const GraphSolution> before = mapper.solution();
+  if (mapper.solve()) correct_map(*mapper.solution(), *before, map_);
+}
+
+std::vector<StampedPose> Replay::path() const {
+  std::vector<StampedPose> path;
+  for (const NavState& state : path_) {
+    const std::optional<Pose> T_chain_odom = relocaliser_.T_chain_odom(state.odom_piece);
+    if (T_chain_odom) path.push_back({state.time, *T_chain_odom * state.T_odom_base});
+  }
+  return path;
 }
 
 void Replay::finish_map() {
-  const std::shared_ptr<const GraphSolution> before = mapper_.solution();
-  if (mapper_.finish()) correct_map(*mapper_.solution(), *before, map_);
-  report_.solution = mapper_.solution();
-  if (mapper_.positions() != nullptr) report_.latency = mapper_.positions()->latency();
+  Mapper& mapper = relocaliser_.mapper();
+  const std::shared_ptr<const GraphSolution> before = mapper.solution();
+  if (mapper.finish()) correct_map(*mapper.solution(), *before, map_);
+  report_.solution = mapper.solution();
+  report_.relocalisation = relocaliser_.counts();
+  if (mapper.positions() != nullptr) report_.latency = mapper.positions()->latency();
 }
 
 }  // namespace slamd::replay

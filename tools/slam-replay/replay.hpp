@@ -5,7 +5,7 @@
 
 #include "daemon/store/map_store.hpp"
 #include "daemon/store/trajectory_store.hpp"
-#include "estimator/graph/mapper.hpp"
+#include "estimator/graph/relocaliser.hpp"
 #include "estimator/odometry/lidar_inertial_odometry.hpp"
 #include "estimator/odometry/pose_predictor.hpp"
 #include "tools/progress/progress.hpp"
@@ -17,7 +17,7 @@ namespace slamd::replay {
 
 class Replay {
  public:
-  Replay(const VehicleGeometry& vehicle, const OdometryConfig& odometry, const MapStoreConfig& map, Mapper mapper);
+  Replay(const VehicleGeometry& vehicle, const OdometryConfig& odometry, const MapStoreConfig& map, Relocaliser relocaliser);
 
   /// Runs the whole drive, the back end to its last optimisation. Without the map there is no back end either, and the
   /// memory is the front end's alone.
@@ -27,9 +27,9 @@ class Replay {
   const StageTimes& times() const { return times_; }
   OdometryStats stats() const { return odometry_.stats(); }
   const MapStore& map() const { return map_; }
-  const Mapper& mapper() const { return mapper_; }
-  /// One pose a scan, as in odom.tum; none without the map.
-  const std::vector<StampedPose>& path() const { return path_; }
+  const Mapper& mapper() const { return relocaliser_.mapper(); }
+  /// One pose a scan in the back end's own odom, of those that have a place in the map; none without the map.
+  std::vector<StampedPose> path() const;
 
  private:
   bool take(const Event& event, Output& output);
@@ -40,9 +40,9 @@ class Replay {
 
   LidarInertialOdometry odometry_;
   PosePredictor predictor_;
-  Mapper mapper_;
+  Relocaliser relocaliser_;
   MapStore map_;
-  std::vector<StampedPose> path_;
+  std::vector<NavState> path_;  // one a scan
   StageTimes times_;
   Report report_;
   HostTime first_, last_;

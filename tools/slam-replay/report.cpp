@@ -105,9 +105,10 @@ Json rejections(const Drive& drive, const OdometryStats& stats) {
   return out;
 }
 
-Json back_end(const GraphSolution& solution) {
+Json back_end(const GraphSolution& solution, const RelocaliserCounts& relocalisation) {
   return {{"solves", solution.changes},       {"closures", solution.closures},     {"positions", solution.positions},
-          {"objective", solution.objective}, {"iterations", solution.iterations}, {"converged", solution.converged}};
+          {"objective", solution.objective}, {"iterations", solution.iterations}, {"converged", solution.converged},
+          {"relocalised", relocalisation.relocalised}, {"maps_begun_anew", relocalisation.begun_anew}};
 }
 
 /// yaw_sigma_rad and latency_sigma_s are the back end's own; latency_correction_s comes on top of gnss.latency_s.
@@ -150,7 +151,7 @@ std::string to_json(const Report& report, const StageTimes& times, const Drive& 
   const Matrix6d& p = report.last.covariance;
   out["final_sigma"] = {{"position_m", {std::sqrt(p(0, 0)), std::sqrt(p(1, 1)), std::sqrt(p(2, 2))}},
                         {"attitude_rad", {std::sqrt(p(3, 3)), std::sqrt(p(4, 4)), std::sqrt(p(5, 5))}}};
-  if (report.solution != nullptr) out["back_end"] = back_end(*report.solution);
+  if (report.solution != nullptr) out["back_end"] = back_end(*report.solution, report.relocalisation);
   if (report.solution != nullptr && report.solution->enu_valid) out["enu_origin"] = origin(report.solution->enu_origin);
   if (out.contains("enu_origin")) out["gps"] = gps(report.solution->enu, report.latency);
   return out.dump(1) + "\n";

@@ -10,6 +10,7 @@
 #include "daemon/health/histogram.hpp"
 #include "estimator/graph/gnss_latency.hpp"
 #include "estimator/graph/graph_solution.hpp"
+#include "estimator/graph/relocaliser.hpp"
 #include "estimator/odometry/lidar_inertial_odometry.hpp"
 #include "estimator/types/stage.hpp"
 #include "tools/slam-replay/drive.hpp"
@@ -55,6 +56,7 @@ struct Report {
   NavState last;
   std::shared_ptr<const GraphSolution> solution;  // the last one; null without the back end
   GnssLatency latency;
+  RelocaliserCounts relocalisation;
 };
 
 /// report.json as text; see README.md for the keys.

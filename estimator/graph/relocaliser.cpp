@@ -1,0 +1,143 @@
+#include "estimator/graph/relocaliser.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "estimator/graph/closure_consistency.hpp"
+
+namespace slamd {
+
+namespace {
+
+constexpr std::size_t kGuessTries = 3;  // keyframes of a piece that are looked for where they are believed to be
+
+}  // namespace
+
+Relocaliser::Relocaliser(const RelocaliserConfig& config, MakeMapper make_mapper, const Eigen::Vector3d& p_base_lidar)
+    : config_{config},
+      make_mapper_{std::move(make_mapper)},
+      p_base_lidar_{p_base_lidar},
+      mapper_{make_mapper_()},
+      links_{{0, {}}},
+      clouds_{config.clouds, p_base_lidar} {}
+
+Relocaliser::Entered Relocaliser::add(const Keyframe& keyframe) {
+  if (known_) waiting_.resize(std::min<std::size_t>(waiting_.size(), 1));
+  if (keyframe.state.odom_piece != odom_piece_) begin_piece(keyframe.state.odom_piece);
+  if (known_) {
+    if (waiting_.empty()) waiting_.emplace_back();
+    waiting_.front() = keyframe;
+    return enter_waiting();
+  }
+  wait(keyframe);
+  if (const std::optional<Found> place = look()) {
+    join(*place);
+    ++counts_.relocalised;
+    return enter_waiting();
+  }
+  if (driven_m_ < config_.patience_m) return {};
+  begin_anew();
+  Entered entered = enter_waiting();
+  entered.map_began_anew = true;
+  return entered;
+}
+
+void Relocaliser::begin_piece(std::uint32_t odom_piece) {
+  odom_piece_ = odom_piece;
+  piece_ = {};
+  clouds_ = KeyframeClouds{config_.clouds, p_base_lidar_};
+  driven_m_ = 0.0;
+  by_looks_.clear();
+  waiting_.clear();
+  known_ = mapper_.keyframes().empty();
+  if (known_) {
+    links_ = {{odom_piece, {}}};
+  } else {
+    T_map_guess_ = mapper_.keyframes().back().T_map_base;
+  }
+}
+
+void Relocaliser::wait(const Keyframe& keyframe) {
+  const Pose& T_odom_base = keyframe.state.T_odom_base;
+  if (piece_.size() > 0) {
+    driven_m_ += (T_odom_base.translation - piece_.T_odom_base(piece_.size() - 1).translation).norm();
+  }
+  piece_.add(T_odom_base, keyframe.relative_covariance);
+  clouds_.add(keyframe.points);
+  if (waiting_.size() == config_.max_waiting) waiting_.erase(waiting_.begin());
+  waiting_.push_back(keyframe);
+}
+
+/// Near the believed place one match is enough: it is belief and registration that agree. By looks alone two are needed, from
+/// different places: what looks alike once may be another place.
+std::optional<Relocaliser::Found> Relocaliser::look() {
+  const std::size_t newest = piece_.size() - 1;
+  if (T_map_guess_ && newest < kGuessTries) {
+    const Pose T_map_base = *T_map_guess_ * piece_.relative(0, newest);
+    if (const auto near = mapper_.recognise({piece_, clouds_}, T_map_base)) return found(*near);
+  }
+  if (newest % config_.look_every != 0) return std::nullopt;
+  const std::optional<Recognition> alike = mapper_.recognise({piece_, clouds_}, std::nullopt);
+  if (!alike) return std::nullopt;
+  by_looks_.push_back(found(*alike));
+  return is_confirmed(by_looks_.back()) ? std::optional{by_looks_.back()} : std::nullopt;
+}
+
+Relocaliser::Found Relocaliser::found(const Recognition& recognition) const {
+  const Pose T_map_base = mapper_.keyframes()[recognition.place].T_map_base * recognition.T_place_keyframe.T_a_b;
+  return {recognition, T_map_base * piece_.T_odom_base(recognition.keyframe).inverse()};
+}
+
+bool Relocaliser::is_confirmed(const Found& newest) const {
+  const Pose& T_odom_base = piece_.T_odom_base(newest.recognition.keyframe);
+  return std::ranges::any_of(by_looks_, [&](const Found& other) {
+    const Pose& T_odom_other = piece_.T_odom_base(other.recognition.keyframe);
+    const Vector6d difference = boxminus(newest.T_map_odom * T_odom_base, other.T_map_odom * T_odom_base);
+    return (T_odom_base.translation - T_odom_other.translation).norm() >= config_.confirm_m &&
+           difference.head<3>().norm() < config_.agree_m && difference.tail<3>().norm() < config_.agree_rad;
+  });
+}
+
+/// The chain goes on from its newest keyframe to the oldest one that waits, by way of the place that was recognised: where the
+/// graph has that place now, with the doubt of all the odometry in between.
+void Relocaliser::join(const Found& place) {
+  const std::size_t first = piece_.size() - waiting_.size();
+  const GraphView map = mapper_.view();
+  const std::size_t last = map.keyframes.size() - 1;
+  const RelativePose T_last_first = odometry_between(map.odometry, last, place.recognition.place) *
+                                    place.recognition.T_place_keyframe *
+                                    odometry_between(piece_, place.recognition.keyframe, first);
+  const Pose T_chain_map = map.keyframes[last].T_odom_base * map.keyframes[last].T_map_base.inverse();
+  links_.push_back({odom_piece_, T_chain_map * place.T_map_odom});
+  waiting_.front().relative_covariance = T_last_first.covariance;
+  known_ = true;
+}
+
+Relocaliser::Entered Relocaliser::enter_waiting() {
+  for (Keyframe& keyframe : waiting_) {
+    keyframe.id = mapper_.keyframes().size();
+    keyframe.state.T_odom_base = links_.back().T_chain_odom * keyframe.state.T_odom_base;
+    keyframe.state.velocity_mps = links_.back().T_chain_odom.rotation * keyframe.state.velocity_mps;
+    mapper_.add(keyframe);
+  }
+  return {.map_began_anew = false, .keyframes = waiting_};
+}
+
+void Relocaliser::begin_anew() {
+  mapper_ = make_mapper_();
+  links_ = {{odom_piece_, {}}};
+  known_ = true;
+  ++counts_.begun_anew;
+}
+
+MapLink Relocaliser::link() const {
+  const Pose T_map_odom = known_ ? mapper_.solution()->T_map_odom * links_.back().T_chain_odom : Pose{};
+  return {.T_map_odom = T_map_odom, .odom_piece = odom_piece_, .known = known_};
+}
+
+std::optional<Pose> Relocaliser::T_chain_odom(std::uint32_t odom_piece) const {
+  const auto found = std::ranges::find(links_, odom_piece, &Link::odom_piece);
+  return found == links_.end() ? std::nullopt : std::optional{found->T_chain_odom};
+}
+
+}  // namespace slamd
