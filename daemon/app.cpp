@@ -53,7 +53,7 @@ App::App(const Config& config, const std::string& version, PosePublisher publish
            publisher_},
       gnss_{config.gnss, config.nmea, *streams_},
       estimator_{config.estimator, config.vehicle, config.odometry, *streams_},
-      mapping_{make_mapper(config.back_end, config.vehicle), *streams_, map_, trajectory_},
+      mapping_{make_relocaliser(config.back_end, config.vehicle), *streams_, map_, trajectory_},
       health_{host_now()},
       supervisor_{config.log.repeat_period,
                   [this](LogLevel level, const std::string& line) { log_.write(level, line); }},

@@ -34,8 +34,13 @@ json gnss_json(const std::optional<GnssState>& gnss) {
 
 }  // namespace
 
-BackEndState state_of(const Mapper& mapper, HostTime now) {
-  BackEndState state{.solution = mapper.solution(), .gnss = {}, .forgotten_clouds = mapper.forgotten_clouds()};
+BackEndState state_of(const Relocaliser& back_end, HostTime now) {
+  const Mapper& mapper = back_end.mapper();
+  BackEndState state{.solution = mapper.solution(),
+                     .gnss = {},
+                     .link = back_end.link(),
+                     .relocalisation = back_end.counts(),
+                     .forgotten_clouds = mapper.forgotten_clouds()};
   if (const PositionSource* gnss = mapper.positions()) state.gnss = GnssState{gnss->trust(now), gnss->latency()};
   return state;
 }
@@ -47,7 +52,10 @@ json to_json(const BackEndState& state) {
           {"closures", solution.closures},
           {"gnss_positions", solution.positions},
           {"forgotten_clouds", state.forgotten_clouds},
-          {"T_map_odom", pose_json(solution.T_map_odom)},
+          {"T_map_odom", pose_json(state.link.T_map_odom)},
+          {"relocalising", !state.link.known},
+          {"relocalised", state.relocalisation.relocalised},
+          {"maps_begun_anew", state.relocalisation.begun_anew},
           {"enu", enu_json(solution)},
           {"gnss", gnss_json(state.gnss)}};
 }

@@ -6,7 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
-#include "estimator/graph/mapper.hpp"
+#include "estimator/graph/relocaliser.hpp"
 
 namespace slamd {
 
@@ -19,11 +19,13 @@ struct GnssState {
 struct BackEndState {
   std::shared_ptr<const GraphSolution> solution = std::make_shared<GraphSolution>();  // never null
   std::optional<GnssState> gnss;    // none: the back end does not use GPS
+  MapLink link;
+  RelocaliserCounts relocalisation;
   std::size_t forgotten_clouds = 0; // keyframes that no loop can be closed with any more
 };
 
 /// Mapping thread. now  host time.
-BackEndState state_of(const Mapper& mapper, HostTime now);
+BackEndState state_of(const Relocaliser& back_end, HostTime now);
 
 nlohmann::json to_json(const BackEndState& state);
 

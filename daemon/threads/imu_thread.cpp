@@ -60,8 +60,9 @@ void ImuThread::carry_on(HostTime now) {
 }
 
 void ImuThread::publish(const NavState& state) {
-  const Pose* const T_map_odom = streams_.T_map_odom.load();
-  publisher_.publish(state, T_map_odom != nullptr ? *T_map_odom : Pose{}, streams_.utc_offset_ns.load(std::memory_order_relaxed));
+  const MapLink* const link = streams_.map_link.load();
+  const MapPlacement::Placed told = placement_.place(state, link != nullptr ? *link : MapLink{});
+  publisher_.publish(told.state, told.T_map_odom, streams_.utc_offset_ns.load(std::memory_order_relaxed));
   last_published_ = host_now();
 }
 

@@ -11,6 +11,7 @@
 #include "daemon/health/histogram.hpp"
 #include "daemon/ring/latest_value.hpp"
 #include "daemon/server/pose_publisher.hpp"
+#include "daemon/threads/map_placement.hpp"
 #include "daemon/threads/recorder.hpp"
 #include "daemon/threads/streams.hpp"
 #include "drivers/imu/imu_frame_parser.hpp"
@@ -42,6 +43,8 @@ class ImuThread {
 
   /// Before run(): every read of the port goes to `tap` as well, which must outlive the thread.
   void record_to(WireTap& tap) { tap_ = &tap; }
+  /// Before run(): where the vehicle was when the map that is taken over was left.
+  void begin_at(const Pose& T_map_base) { placement_ = MapPlacement{T_map_base}; }
   /// The thread's body: returns within a tenth of a second after a stop request.
   void run(const std::stop_token& stop);
 
@@ -66,6 +69,7 @@ class ImuThread {
   Streams& streams_;
   WireTap* tap_ = nullptr;
   PosePublisher& publisher_;
+  MapPlacement placement_;
   HostTime last_posterior_;
   HostTime last_published_;
   ImuReport now_;

@@ -12,15 +12,15 @@
 #include "daemon/store/trajectory_store.hpp"
 #include "daemon/threads/back_end_state.hpp"
 #include "daemon/threads/streams.hpp"
-#include "estimator/graph/mapper.hpp"
+#include "estimator/graph/relocaliser.hpp"
 
 namespace slamd {
 
 class MappingThread {
  public:
   /// Streams and stores must outlive it.
-  MappingThread(Mapper mapper, Streams& streams, MapStore& map, TrajectoryStore& trajectory)
-      : mapper_{std::move(mapper)}, streams_{streams}, map_{map}, trajectory_{trajectory} {}
+  MappingThread(Relocaliser back_end, Streams& streams, MapStore& map, TrajectoryStore& trajectory)
+      : back_end_{std::move(back_end)}, streams_{streams}, map_{map}, trajectory_{trajectory} {}
 
   /// The thread's body: returns soon after a stop request, with the streams empty.
   void run(const std::stop_token& stop);
@@ -37,12 +37,14 @@ class MappingThread {
   void drain();
   void take(const Keyframe& keyframe);
   void solve(const std::stop_token& stop);
+  void tell_link();
   void tell_state();
 
-  Mapper mapper_;
+  Relocaliser back_end_;
   Streams& streams_;
   MapStore& map_;
   TrajectoryStore& trajectory_;
+  MapLink told_link_;
   std::atomic<std::uint64_t> fixes_{0};
   mutable std::mutex state_mutex_;
   BackEndState state_;

@@ -10,6 +10,7 @@
 #include "daemon/server/protocol/pose_page.hpp"
 #include "daemon/store/trajectory_store.hpp"
 #include "estimator/filter/inertial_state.hpp"
+#include "estimator/graph/map_link.hpp"
 #include "estimator/types/gnss_fix.hpp"
 #include "estimator/types/imu_sample.hpp"
 #include "estimator/types/keyframe.hpp"
@@ -30,7 +31,7 @@ struct Streams {
   SpscRing<ImuSample> imu{1024};      // imu thread -> estimator; 5 s
   SpscRing<GnssFix> gnss{64};         // gnss thread -> estimator
   TripleBuffer<Posterior> posterior;  // estimator -> imu thread
-  TripleBuffer<Pose> T_map_odom;      // mapping -> imu thread; nothing before the first correction
+  TripleBuffer<MapLink> map_link;     // mapping -> imu thread; nothing before the first correction
   SpscRing<Keyframe> keyframes{16, [](Keyframe& slot) { slot.points.reserve(kMaxKeyframePoints); }};  // -> mapping
   SpscRing<StampedPose> path{256};                             // estimator -> mapping; one pose a scan
   SpscRing<GnssFix> fixes{64};                                 // estimator -> mapping; in the order of events

@@ -12,6 +12,10 @@ struct MapLink {
   std::uint32_t odom_piece = 0;   // NavState::odom_piece
   bool known = true;              // false: the piece is being looked for in the map
 
+  bool operator==(const MapLink& other) const {
+    return T_map_odom.translation == other.T_map_odom.translation && odom_piece == other.odom_piece &&
+           T_map_odom.rotation.coeffs() == other.T_map_odom.rotation.coeffs() && known == other.known;
+  }
   bool places(const NavState& state) const { return known && state.odom_piece == odom_piece; }
 };
 

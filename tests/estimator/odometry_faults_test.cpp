@@ -200,6 +200,8 @@ TEST_F(Faults, ALidarThatSeesNothingFromTheStartOnIsNeverTracked) {
   run(9.0);
   EXPECT_EQ(results_.back().state.status, TrackingStatus::kTracking) << "reasons " << results_.back().state.reasons;
   EXPECT_LT(worst_sigmas(), kMostSigmas) << "what dead reckoning lost stays in the covariance";
+  EXPECT_EQ(results_.back().state.odom_piece, 1U) << "it was lost, and its way is no odom";
+  EXPECT_EQ(odometry_.stats().resets, 1U);
 }
 
 TEST_F(Faults, BothSensorsOffForASecond) {

@@ -52,14 +52,15 @@ class OdometryRun : public ::testing::Test {
 
   static double seconds(const ScanResult& result) { return SyntheticDrive::seconds(result.state.time); }
 
-  const ScanResult& first_initialised() const {
-    return *std::find_if(results_.begin(), results_.end(),
-                         [](const ScanResult& r) { return r.state.status != TrackingStatus::kInitialising; });
+  const ScanResult& first_initialised(std::uint32_t odom_piece = 0) const {
+    return *std::find_if(results_.begin(), results_.end(), [&](const ScanResult& r) {
+      return r.state.odom_piece == odom_piece && r.state.status != TrackingStatus::kInitialising;
+    });
   }
 
-  /// Position error in odom, which the first tracked scan defines.
+  /// Position error in odom, which the first tracked scan of its piece defines.
   Eigen::Vector3d position_error(const ScanResult& result) const {
-    const ScanResult& first = first_initialised();
+    const ScanResult& first = first_initialised(result.state.odom_piece);
     const Pose T_odom_world = first.state.T_odom_base * drive_.T_world_base(first.state.time).inverse();
     return result.state.T_odom_base.translation - (T_odom_world * drive_.T_world_base(result.state.time)).translation;
   }

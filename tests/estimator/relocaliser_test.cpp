@@ -1,0 +1,135 @@
+#include "estimator/graph/relocaliser.hpp"
+
+#include <gtest/gtest.h>
+
+#include "estimator/graph/back_end.hpp"
+#include "tests/support/box_town.hpp"
+
+namespace slamd {
+namespace {
+
+using test::BoxTown;
+using test::Random;
+
+constexpr double kRadius_m = 40.0;
+constexpr double kSpacing_m = 2.0;
+constexpr std::uint64_t kTown = 7;
+
+/// A vehicle on the road around a town, in odoms that begin where and as often as a test says.
+class Drive {
+ public:
+  explicit Drive(std::uint64_t town = kTown) : town_{BoxTown::around_circle(kRadius_m, town)} {}
+
+  static Pose truth(double along_m) { return test::pose_on_circle(kRadius_m, along_m); }
+
+  void begin_piece(double along_m) {
+    ++piece_;
+    T_world_odom_ = truth(along_m) * Pose{Eigen::Quaterniond{Eigen::AngleAxisd{1.0, Eigen::Vector3d::UnitZ()}}, {5.0, -3.0, 0.0}};
+  }
+  void enter(std::uint64_t town) { town_ = BoxTown::around_circle(kRadius_m, town); }
+
+  Keyframe keyframe(double along_m) {
+    Keyframe keyframe;
+    keyframe.id = count_++;
+    keyframe.state.time = HostTime{std::chrono::milliseconds{250 * static_cast<std::int64_t>(count_)}};
+    keyframe.state.odom_piece = piece_;
+    keyframe.state.T_odom_base = T_world_odom_.inverse() * truth(along_m);
+    keyframe.relative_covariance = 1e-6 * Matrix6d::Identity();
+    keyframe.up_sigma_rad = 0.001;
+    keyframe.points = town_.scan(truth(along_m), random_);
+    return keyframe;
+  }
+
+ private:
+  BoxTown town_;
+  Random random_{11};
+  Pose T_world_odom_ = truth(0.0);
+  std::uint32_t piece_ = 0;
+  std::uint64_t count_ = 0;
+};
+
+class RelocaliserTest : public ::testing::Test {
+ protected:
+  RelocaliserTest() {
+    BackEndConfig config;
+    config.use_gps = false;
+    back_end_.emplace(make_relocaliser(config, {.T_base_lidar = {{}, test::kLidarInBase}, .T_base_imu = {}, .p_base_antenna = {}}));
+    for (double along_m = 0.0; along_m < 150.0; along_m += kSpacing_m) add(along_m);
+  }
+
+  /// Whether it has brought anything into the map.
+  bool add(double along_m) {
+    const Keyframe keyframe = drive_.keyframe(along_m);
+    const Relocaliser::Entered entered = back_end_->add(keyframe);
+    began_anew_ |= entered.map_began_anew;
+    if (entered.map_began_anew) entered_ = 0;
+    for (const Keyframe& placed : entered.keyframes) EXPECT_EQ(placed.id, entered_++) << "ids have no gaps";
+    back_end_->mapper().solve();
+    newest_ = keyframe.state;
+    return !entered.keyframes.empty();
+  }
+
+  /// Distance of the newest pose in map from the truth; map is the world as seen from the first keyframe.
+  double error_m() const {
+    const Pose T_map_base = back_end_->link().T_map_odom * newest_.T_odom_base;
+    return (T_map_base.translation - (Drive::truth(0.0).inverse() * Drive::truth(along_m_)).translation).norm();
+  }
+
+  void expect_found_at(double along_m, double within_m) {
+    for (double driven_m = 0.0; driven_m < within_m; driven_m += kSpacing_m) {
+      along_m_ = along_m + driven_m;
+      if (!add(along_m_)) continue;
+      EXPECT_TRUE(back_end_->link().places(newest_));
+      EXPECT_LT(error_m(), 0.1);
+      EXPECT_EQ(back_end_->counts().relocalised, 1U);
+      return;
+    }
+    FAIL() << "not found within " << within_m << " m";
+  }
+
+  Drive drive_;
+  std::optional<Relocaliser> back_end_;
+  NavState newest_;
+  double along_m_ = 0.0;
+  std::uint64_t entered_ = 0;
+  bool began_anew_ = false;
+};
+
+TEST_F(RelocaliserTest, APieceThatBeginsWhereTheLastOneEndedIsFoundAtOnce) {
+  drive_.begin_piece(151.0);
+  expect_found_at(151.0, 1.0);
+}
+
+TEST_F(RelocaliserTest, APieceThatBeginsElsewhereInTheMapIsFoundByTwoLooksThatAgree) {
+  drive_.begin_piece(60.0);
+  EXPECT_FALSE(add(60.0)) << "one look is not enough";
+  EXPECT_FALSE(back_end_->link().places(newest_));
+  expect_found_at(62.0, 30.0);
+  EXPECT_FALSE(began_anew_);
+}
+
+TEST_F(RelocaliserTest, AnotherTownIsNotTakenForThisOneAndBecomesANewMap) {
+  drive_.enter(99);
+  drive_.begin_piece(0.0);
+  double driven_m = 0.0;
+  for (; !add(driven_m); driven_m += kSpacing_m) EXPECT_FALSE(back_end_->link().places(newest_)) << "at " << driven_m;
+  EXPECT_TRUE(began_anew_);
+  EXPECT_GE(driven_m, RelocaliserConfig{}.patience_m - kSpacing_m);
+  EXPECT_EQ(back_end_->counts().begun_anew, 1U);
+  EXPECT_EQ(back_end_->counts().relocalised, 0U);
+  EXPECT_TRUE(back_end_->link().places(newest_)) << "in a map of its own";
+}
+
+TEST(MapLink, AnUnplacedPoseIsNeverTrackingAndItsCovarianceExcludesNothingNear) {
+  NavState state;
+  state.status = TrackingStatus::kTracking;
+  const NavState told = unplaced(state);
+  EXPECT_EQ(told.status, TrackingStatus::kDegraded);
+  EXPECT_EQ(told.reasons, bit(StatusReason::kRelocalising));
+  EXPECT_GE(told.covariance(0, 0), 1e6);
+  state.status = TrackingStatus::kLost;
+  EXPECT_EQ(unplaced(state).status, TrackingStatus::kLost);
+}
+
+}  // namespace
+}  // namespace slamd
