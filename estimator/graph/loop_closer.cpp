@@ -179,9 +179,12 @@ std::optional<Recognition> LoopCloser::recognise(const GraphView& view, const Pi
   const Submap here = piece.clouds.submap(piece.odometry, newest, config_.keyframes_behind, 0);
   const auto check = [&](std::size_t place, const PlaceGuess& guess) -> std::optional<Recognition> {
     const std::uint32_t around = config_.keyframes_behind;
-    const PlaceCheck found = check_place(clouds_.submap(view.odometry, place, around, around), here, guess, config_);
+    const Submap there = clouds_.submap(view.odometry, place, around, around);
+    const PlaceCheck found = check_place(there, here, guess, config_);
     if (found.ended_at != LoopStage::kAccepted) return std::nullopt;
-    return Recognition{place, newest, found.T_target_source, !T_map_guess};
+    const RelativePose T_place_newest =
+        RelativePose{there.T_level_base.inverse()} * found.T_target_source * RelativePose{here.T_level_base};
+    return Recognition{place, newest, T_place_newest, !T_map_guess};
   };
   if (T_map_guess) {
     const std::optional<std::size_t> nearest = nearest_place(view, T_map_guess->translation);

@@ -121,9 +121,9 @@ void LidarInertialOdometry::pick_keyframe(const Scan& scan) {
 }
 
 /// LOST, and not by scans that fit but leave a direction free: what the local map is compared with at a pose that is metres
-/// off agrees by chance only.
+/// off agrees by chance only. Without an IMU a new start finds no motion either.
 bool LidarInertialOdometry::has_lost_its_way(const Scan& scan) const {
-  if (fusion_.velocity_search().is_on()) return false;
+  if (fusion_.velocity_search().is_on() || !imu_.is_alive(scan.begin)) return false;
   const bool was_silent = scan.begin - last_scan_ > from_seconds(config_.lidar_timeout_s);
   return (was_silent || fusion_.unfused() > 0) && local_sigma_m() > config_.status.lost_sigma_m;
 }
