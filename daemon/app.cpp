@@ -57,8 +57,11 @@ App::App(const Config& config, const std::string& version, PosePublisher publish
       health_{host_now()},
       supervisor_{config.log.repeat_period,
                   [this](LogLevel level, const std::string& line) { log_.write(level, line); }},
-      server_{config.server, {publisher_, map_, trajectory_, health_}, version} {
+      server_{config.server,
+              {publisher_, map_, trajectory_, health_, config.health.allow_inject ? &streams_->faults : nullptr},
+              version} {
   register_probes();
+  if (config.health.allow_inject) allow_faults();
 }
 
 Result<void> App::start(UniqueFd listening) {
@@ -165,6 +168,34 @@ void App::register_sensors() {
   add("gnss", config_.gnss.serial.path, config_.health.gnss,
       [this](HostTime) { return evidence(gnss_.report(), mapping_.state().gnss); },
       [this] { return source_health(gnss_.report()); });
+}
+
+void App::allow_faults() {
+  lidar_.allow_faults();
+  imu_.allow_faults();
+  gnss_.allow_faults();
+  const auto played = [this] {
+    const HostTime now = host_now();
+    const FaultBoard& board = streams_->faults;
+    const std::initializer_list<std::pair<const char*, const FaultSwitch*>> switches{
+        {"lidar", &board.lidar}, {"imu", &board.imu}, {"gnss", &board.gnss}};
+    nlohmann::json all = nlohmann::json::object();
+    for (const auto& [sensor, each] : switches) {
+      if (each->verb(now) == FaultVerb::kNone) continue;
+      all[sensor] = {{"verb", name(each->verb(now))}, {"left_s", each->seconds_left(now)}};
+    }
+    return all;
+  };
+  health_.add_object("injected", played);
+  supervisor_.watch_source("injection", [played] {
+    SourceHealth health;
+    const nlohmann::json all = played();
+    for (const auto& [sensor, each] : all.items()) {
+      health.reason += (health.reason.empty() ? "" : ",") + sensor + "_" + each.at("verb").get<std::string>();
+    }
+    health.state = health.reason.empty() ? "healthy" : "failing";
+    return health;
+  });
 }
 
 void App::add_source(const std::string& name, const HealthBoard::SourceProbe& probe) {

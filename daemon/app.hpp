@@ -63,6 +63,7 @@ class App {
   void record(std::unique_ptr<Recorder> recorder);
   void register_probes();
   void register_sensors();
+  void allow_faults();
   void add_source(const std::string& name, const HealthBoard::SourceProbe& probe);
   void add_ring(const std::string& name, const HealthBoard::RingProbe& probe);
 

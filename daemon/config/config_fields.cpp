@@ -77,7 +77,7 @@ Fields server_fields(ServerConfig& c) {
       {"server.socket", &c.socket_path, "", {1, 107}, "path of the Unix socket for clients"},
       {"server.save_dir", &c.save_dir, "", kSomeText, "folder that save_map writes into",
        kLive},
-      {"server.control_group", &c.control_group, "", {0, 32}, "group whose members may save maps; empty = every client"},
+      {"server.control_group", &c.control_group, "", {0, 32}, "group whose members may save maps and inject faults; empty = every client"},
       {"server.max_clients", &c.limits.max_clients, "", {1, 4096}, "more are refused",
        kLive},
       {"server.max_request_bytes",
@@ -122,6 +122,8 @@ Fields health_fields(HealthConfig& c) {
   Fields fields = patience_fields(c.lidar, "lidar");
   append(fields, patience_fields(c.imu, "imu"));
   append(fields, patience_fields(c.gnss, "gnss"));
+  append(fields, {{"health.allow_inject", &c.allow_inject, "", {},
+                   "sensors may be failed on purpose (slamctl inject), for rehearsals; never in service"}});
   return fields;
 }
 

@@ -65,8 +65,8 @@ const SensorCondition& SensorMonitor::look(const SensorEvidence& evidence, HostT
   if (state != condition_.state) {
     condition_.since = now;
     if (state == SensorState::kFaulty) ++condition_.times_faulty;
-    if (state != SensorState::kDegraded) failing_s_ = 0.0;
   }
+  if (state != SensorState::kDegraded && state != SensorState::kStarting) failing_s_ = 0.0;
   condition_.state = state;
   const bool told = state == SensorState::kFaulty ? is_hard(defect) : defect != SensorDefect::kNone;
   if (told || state == SensorState::kHealthy) condition_.defect = defect;

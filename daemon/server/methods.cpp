@@ -32,7 +32,7 @@ struct Methods::Entry {
 };
 
 std::span<const Methods::Entry> Methods::entries() {
-  static constexpr std::array<Entry, 9> kEntries{{
+  static constexpr std::array<Entry, 10> kEntries{{
       {method::kGetPose, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.pose(params); }},
       {method::kVersion, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.version(params); }},
       {method::kGetStatus, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.tell_status(params); }},
@@ -42,6 +42,7 @@ std::span<const Methods::Entry> Methods::entries() {
       {method::kGetPosePage, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.pose_page(params); }},
       {method::kGetTrajectory, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.trajectory(params); }},
       {method::kSaveMap, Right::kControl, [](Methods& self, Params& params, Subscriptions&) { return self.save_map(params); }},
+      {method::kInject, Right::kControl, [](Methods& self, Params& params, Subscriptions&) { return self.inject(params); }},
   }};
   return kEntries;
 }
@@ -169,6 +170,20 @@ Methods::Handled Methods::save_map(Params& params) const {
                return slamd::save_map(store, request, path, progress);
              },
              tell_progress};
+}
+
+Methods::Handled Methods::inject(Params& params) const {
+  const std::string sensor = params.choice("sensor", {"lidar", "imu", "gnss"});
+  std::vector<std::string> verbs;
+  for (const FaultVerb verb : kFaultVerbs) verbs.emplace_back(name(verb));
+  const std::string verb = params.choice("verb", verbs);
+  const double for_s = params.number("for_s", 10.0, 0.1, 600.0);
+  if (auto fault = params.fault()) return *std::move(fault);
+  if (sources_.faults == nullptr) return RpcError{error::kNotConfigured, "health.allow_inject is false"};
+  FaultBoard& board = *sources_.faults;
+  FaultSwitch& target = sensor == "lidar" ? board.lidar : sensor == "imu" ? board.imu : board.gnss;
+  target.set(*fault_verb(verb), host_now() + from_seconds(for_s));
+  return Reply{{{"sensor", sensor}, {"verb", verb}, {"for_s", for_s}}, {}};
 }
 
 Methods::Handled Methods::trajectory(Params& params) const {

@@ -65,6 +65,7 @@ class Methods {
   Handled map(Params& params) const;
   Handled save_map(Params& params) const;
   Handled trajectory(Params& params) const;
+  Handled inject(Params& params) const;
 
   const ServerConfig& config_;
   ServerSources sources_;

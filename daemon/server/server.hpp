@@ -8,6 +8,7 @@
 #include <string>
 
 #include "daemon/health/health_board.hpp"
+#include "daemon/inject/fault_switch.hpp"
 #include "daemon/ring/unique_fd.hpp"
 #include "daemon/server/pose_publisher.hpp"
 #include "daemon/store/map_store.hpp"
@@ -39,6 +40,7 @@ struct ServerSources {
   const MapStore& map;
   const TrajectoryStore& trajectory;
   HealthBoard& health;
+  FaultBoard* faults = nullptr;  // null: nothing may be injected
 };
 
 class Server {

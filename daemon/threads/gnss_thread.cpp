@@ -1,5 +1,9 @@
 #include "daemon/threads/gnss_thread.hpp"
 
+#include "daemon/inject/value_fault.hpp"
+#include "daemon/inject/wire_fault.hpp"
+#include "daemon/server/host_clock.hpp"
+
 namespace slamd {
 namespace {
 
@@ -7,16 +11,31 @@ constexpr Duration kStopLatency = std::chrono::milliseconds{50};
 
 }  // namespace
 
+struct GnssThread::Faults {
+  WireFault wire;
+  GnssValueFault values;
+};
+
+GnssThread::~GnssThread() = default;
+
+void GnssThread::allow_faults() {
+  constexpr WireFaultShape kShape{.delay = std::chrono::seconds{1}, .period = std::chrono::seconds{8}, .held_reads = 256,
+                                  .read_bytes = 512};
+  const FaultSwitch& verbs = streams_.faults.gnss;
+  faults_ = std::make_unique<Faults>(Faults{WireFault{verbs, kShape}, GnssValueFault{verbs}});
+}
+
 GnssThread::GnssThread(const GnssThreadConfig& config, const NmeaParser::Config& nmea, Streams& streams)
     : source_{config.serial}, parser_{nmea}, streams_{streams} {}
 
 void GnssThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const SourceRead read = source_.read(kStopLatency);
-    if (!read.bytes.empty()) now_.last_bytes = read.arrival;
-    if (tap_ != nullptr) tap_->take({.payload = read.bytes, .arrival = read.arrival, .source = {}});
-    parser_.feed(read.bytes, read.arrival, [this](const GnssFix& fix) { take(fix); });
-    if (parser_.sentence_stats().sentences != now_.sentences.sentences) now_.last_sentence = read.arrival;
+    if (faults_ == nullptr) {
+      take(read.bytes, read.arrival);
+    } else {
+      faults_->wire.pass(read.bytes, host_now(), [this](auto bytes, HostTime arrival) { take(bytes, arrival); });
+    }
     now_.parser = parser_.stats();
     now_.sentences = parser_.sentence_stats();
     now_.serial = source_.stats();
@@ -25,7 +44,18 @@ void GnssThread::run(const std::stop_token& stop) {
   }
 }
 
+void GnssThread::take(std::span<const std::uint8_t> bytes, HostTime arrival) {
+  if (!bytes.empty()) now_.last_bytes = arrival;
+  if (tap_ != nullptr) tap_->take({.payload = bytes, .arrival = arrival, .source = {}});
+  parser_.feed(bytes, arrival, [this](const GnssFix& fix) {
+    if (faults_ == nullptr) return take(fix);
+    if (const std::optional<GnssFix> failed = faults_->values.apply(fix)) take(*failed);
+  });
+  if (parser_.sentence_stats().sentences != now_.sentences.sentences) now_.last_sentence = arrival;
+}
+
 void GnssThread::take(const GnssFix& fix) {
+  ++now_.fixes;
   streams_.gnss.try_push(fix);
   now_.last_arrival = fix.arrival;
   if (fix.utc_valid) streams_.utc_offset_ns.store(to_ns(fix.utc) - to_ns(fix.time), std::memory_order_relaxed);

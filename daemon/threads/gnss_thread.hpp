@@ -3,6 +3,8 @@
 // what the sentence says.
 
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <stop_token>
 
 #include "daemon/ring/latest_value.hpp"
@@ -19,7 +21,8 @@ struct GnssThreadConfig {
 
 /// What the thread has seen; totals since the start.
 struct GnssReport {
-  HostTime last_arrival;   // of the newest fix; only meaningful when parser.fixes > 0
+  HostTime last_arrival;   // of the newest fix; only meaningful when fixes > 0
+  std::uint64_t fixes = 0;  // handed on
   HostTime last_bytes;     // of the newest bytes, whatever they were
   HostTime last_sentence;  // of the newest bytes that ended a sentence; only meaningful when sentences.sentences > 0
   GnssStats parser;
@@ -32,9 +35,12 @@ class GnssThread {
  public:
   /// streams must outlive it.
   GnssThread(const GnssThreadConfig& config, const NmeaParser::Config& nmea, Streams& streams);
+  ~GnssThread();
 
   /// Before run(): every read of the port goes to `tap` as well, which must outlive the thread.
   void record_to(WireTap& tap) { tap_ = &tap; }
+  /// Before run(): failures may be played on this sensor.
+  void allow_faults();
   /// The thread's body: returns within a tenth of a second after a stop request.
   void run(const std::stop_token& stop);
 
@@ -42,12 +48,16 @@ class GnssThread {
   GnssReport report() const { return report_.load().value_or(GnssReport{}); }
 
  private:
+  struct Faults;
+
+  void take(std::span<const std::uint8_t> bytes, HostTime arrival);
   void take(const GnssFix& fix);
 
   SerialSource source_;
   NmeaParser parser_;
   Streams& streams_;
   WireTap* tap_ = nullptr;
+  std::unique_ptr<Faults> faults_;  // null: none may be played
   GnssReport now_;
   LatestValue<GnssReport> report_;
 };

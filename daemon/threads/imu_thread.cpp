@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/inject/value_fault.hpp"
+#include "daemon/inject/wire_fault.hpp"
 #include "daemon/server/host_clock.hpp"
 
 namespace slamd {
@@ -18,6 +20,20 @@ ClockHealth clock_health(const ClockSync& clock) {
 
 }  // namespace
 
+struct ImuThread::Faults {
+  WireFault wire;
+  ImuValueFault values;
+};
+
+ImuThread::~ImuThread() = default;
+
+void ImuThread::allow_faults() {
+  constexpr WireFaultShape kShape{.delay = std::chrono::milliseconds{300}, .period = std::chrono::seconds{1},
+                                  .held_reads = 512, .read_bytes = 128};
+  const FaultSwitch& verbs = streams_.faults.imu;
+  faults_ = std::make_unique<Faults>(Faults{WireFault{verbs, kShape}, ImuValueFault{verbs}});
+}
+
 ImuThread::ImuThread(const ImuThreadConfig& config, const ImuFrameParser::Config& frames, PosePredictor predictor,
                      Streams& streams, PosePublisher& publisher)
     : config_{config},
@@ -30,10 +46,12 @@ ImuThread::ImuThread(const ImuThreadConfig& config, const ImuFrameParser::Config
 void ImuThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const SourceRead read = source_->read(config_.silence);
-    if (!read.bytes.empty()) now_.last_bytes = read.arrival;
-    if (tap_ != nullptr) tap_->take({.payload = read.bytes, .arrival = read.arrival, .source = {}});
     take_posterior();
-    parser_.feed(read.bytes, read.arrival, [this](const ImuSample& sample) { take(sample); });
+    if (faults_ == nullptr) {
+      take(read.bytes, read.arrival);
+    } else {
+      faults_->wire.pass(read.bytes, host_now(), [this](auto bytes, HostTime arrival) { take(bytes, arrival); });
+    }
     const HostTime now = host_now();
     if (now - last_published_ >= config_.silence) carry_on(now);
     tell();
@@ -41,7 +59,17 @@ void ImuThread::run(const std::stop_token& stop) {
   }
 }
 
+void ImuThread::take(std::span<const std::uint8_t> bytes, HostTime arrival) {
+  if (!bytes.empty()) now_.last_bytes = arrival;
+  if (tap_ != nullptr) tap_->take({.payload = bytes, .arrival = arrival, .source = {}});
+  parser_.feed(bytes, arrival, [this](const ImuSample& sample) {
+    if (faults_ == nullptr) return take(sample);
+    if (const std::optional<ImuSample> failed = faults_->values.apply(sample)) take(*failed);
+  });
+}
+
 void ImuThread::take(const ImuSample& sample) {
+  ++now_.samples;
   streams_.imu.try_push(sample);
   publish(predictor_.add(sample));
   imu_to_page_.record(host_now() - sample.arrival);

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <stop_token>
 
 #include "daemon/health/health_board.hpp"
@@ -27,7 +28,8 @@ struct ImuThreadConfig {
 
 /// What the thread has seen; totals since the start.
 struct ImuReport {
-  HostTime last_arrival;  // of the newest sample; only meaningful when parser.samples > 0
+  HostTime last_arrival;  // of the newest sample; only meaningful when samples > 0
+  std::uint64_t samples = 0;  // handed on
   HostTime last_bytes;    // of the newest bytes, whatever they were
   ImuStats parser;
   SourceStats source;
@@ -40,11 +42,14 @@ class ImuThread {
   /// streams and publisher must outlive it.
   ImuThread(const ImuThreadConfig& config, const ImuFrameParser::Config& frames, PosePredictor predictor,
             Streams& streams, PosePublisher& publisher);
+  ~ImuThread();
 
   /// Before run(): every read of the port goes to `tap` as well, which must outlive the thread.
   void record_to(WireTap& tap) { tap_ = &tap; }
   /// Before run(): where the vehicle was when the map that is taken over was left.
   void begin_at(const Pose& T_map_base) { placement_ = MapPlacement{T_map_base}; }
+  /// Before run(): failures may be played on this sensor.
+  void allow_faults();
   /// The thread's body: returns within a tenth of a second after a stop request.
   void run(const std::stop_token& stop);
 
@@ -56,6 +61,9 @@ class ImuThread {
   const Histogram& imu_to_page() const { return imu_to_page_; }
 
  private:
+  struct Faults;
+
+  void take(std::span<const std::uint8_t> bytes, HostTime arrival);
   void take(const ImuSample& sample);
   void take_posterior();
   void carry_on(HostTime now);
@@ -68,6 +76,7 @@ class ImuThread {
   PosePredictor predictor_;
   Streams& streams_;
   WireTap* tap_ = nullptr;
+  std::unique_ptr<Faults> faults_;  // null: none may be played
   PosePublisher& publisher_;
   MapPlacement placement_;
   HostTime last_posterior_;

@@ -2,12 +2,31 @@
 
 #include <utility>
 
+#include "daemon/inject/value_fault.hpp"
+#include "daemon/inject/wire_fault.hpp"
+#include "daemon/server/host_clock.hpp"
+
 namespace slamd {
 namespace {
 
 constexpr Duration kStopLatency = std::chrono::milliseconds{100};
 
 }  // namespace
+
+struct LidarThread::Faults {
+  WireFault wire;
+  LidarValueFault values;
+};
+
+LidarThread::LidarThread(LidarThread&&) noexcept = default;
+LidarThread::~LidarThread() = default;
+
+void LidarThread::allow_faults() {
+  constexpr WireFaultShape kShape{.delay = std::chrono::milliseconds{300}, .period = std::chrono::seconds{1},
+                                  .held_reads = 512, .read_bytes = 1248};
+  const FaultSwitch& verbs = streams_.faults.lidar;
+  faults_ = std::make_unique<Faults>(Faults{WireFault{verbs, kShape}, LidarValueFault{verbs}});
+}
 
 Result<LidarThread> LidarThread::open(const LidarThreadConfig& config, const Vlp16Config& decoder, Streams& streams) {
   UdpSourceConfig source{config.bind_address, config.port, config.source_address, config.source_port,
@@ -30,7 +49,7 @@ LidarThread::LidarThread(UdpSource packets, UdpSource positions, const Vlp16Conf
 
 void LidarThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    decode(packets_.receive(kStopLatency));
+    receive();
     read_positions();
     now_.decoder = decoder_.stats();
     now_.socket = packets_.stats();
@@ -41,15 +60,33 @@ void LidarThread::run(const std::stop_token& stop) {
   }
 }
 
-void LidarThread::decode(std::span<const UdpPacket> packets) {
-  for (const UdpPacket& packet : packets) {
-    if (tap_ != nullptr) tap_->take(packet);
-    now_.last_received = packet.arrival;
-    const LidarPacket* points = decoder_.decode(packet.payload, packet.arrival);
-    if (points == nullptr) continue;
-    now_.last_arrival = points->arrival;
-    streams_.lidar.try_push(*points);
+void LidarThread::receive() {
+  const std::span<const UdpPacket> packets = packets_.receive(kStopLatency);
+  const auto pass = [this](const UdpPacket& packet) {
+    faults_->wire.pass(packet.payload, packet.arrival, [&](auto payload, HostTime arrival) {
+      UdpPacket passed = packet;
+      passed.payload = payload;
+      passed.arrival = arrival;
+      decode(passed);
+    });
+  };
+  if (faults_ == nullptr) {
+    for (const UdpPacket& packet : packets) decode(packet);
+    return;
   }
+  for (const UdpPacket& packet : packets) pass(packet);
+  if (packets.empty()) pass({.payload = {}, .arrival = host_now(), .source = {}});
+}
+
+void LidarThread::decode(const UdpPacket& packet) {
+  if (tap_ != nullptr) tap_->take(packet);
+  now_.last_received = packet.arrival;
+  const LidarPacket* points = decoder_.decode(packet.payload, packet.arrival);
+  if (points != nullptr && faults_ != nullptr) points = faults_->values.apply(*points);
+  if (points == nullptr) return;
+  ++now_.packets;
+  now_.last_arrival = points->arrival;
+  streams_.lidar.try_push(*points);
 }
 
 void LidarThread::read_positions() {

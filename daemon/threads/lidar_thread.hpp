@@ -29,7 +29,8 @@ struct LidarThreadConfig {
 /// What the thread has seen; totals since the start.
 struct LidarReport {
   HostTime last_received;  // of the newest datagram; only meaningful when decoder.received > 0
-  HostTime last_arrival;   // of the newest accepted packet; only meaningful when decoder.accepted > 0
+  HostTime last_arrival;   // of the newest accepted packet; only meaningful when packets > 0
+  std::uint64_t packets = 0;  // handed on
   Vlp16Stats decoder;
   UdpStats socket;
   std::uint64_t position_packets = 0;
@@ -44,9 +45,13 @@ class LidarThread {
   /// Binds both ports; fails with the step that failed. streams must outlive the thread.
   [[nodiscard]] static Result<LidarThread> open(const LidarThreadConfig& config, const Vlp16Config& decoder,
                                                 Streams& streams);
+  LidarThread(LidarThread&&) noexcept;
+  ~LidarThread();
 
   /// Before run(): every datagram goes to `tap` as well, which must outlive the thread.
   void record_to(WireTap& tap) { tap_ = &tap; }
+  /// Before run(): failures may be played on this sensor's data packets.
+  void allow_faults();
   /// The thread's body: returns within a tenth of a second after a stop request.
   void run(const std::stop_token& stop);
 
@@ -54,8 +59,11 @@ class LidarThread {
   LidarReport report() const { return report_->load().value_or(LidarReport{}); }
 
  private:
+  struct Faults;
+
   LidarThread(UdpSource packets, UdpSource positions, const Vlp16Config& decoder, Streams& streams);
-  void decode(std::span<const UdpPacket> packets);
+  void receive();
+  void decode(const UdpPacket& packet);
   void read_positions();
 
   UdpSource packets_;
@@ -63,6 +71,7 @@ class LidarThread {
   Vlp16Decoder decoder_;
   Streams& streams_;
   WireTap* tap_ = nullptr;
+  std::unique_ptr<Faults> faults_;  // null: none may be played
   LidarReport now_;
   std::unique_ptr<LatestValue<LidarReport>> report_;
 };

@@ -35,7 +35,7 @@ std::uint64_t sum_of(const SourceHealth& health) {
 SourceHealth source_health(const LidarReport& report) {
   SourceHealth health;
   health.last_arrival = report.last_arrival;
-  health.received = report.decoder.accepted;
+  health.received = report.packets;
   health.lost = report.decoder.lost + report.socket.overflowed;
   report.decoder.rejections.for_each(
       [&](const char* cause, std::uint64_t count) { add_rejected(health, cause, count); });
@@ -48,7 +48,7 @@ SourceHealth source_health(const ImuReport& report) {
   constexpr std::array kCauses{"", "length", "cobs", "crc", "version"};
   SourceHealth health;
   health.last_arrival = report.last_arrival;
-  health.received = report.parser.samples;
+  health.received = report.samples;
   health.lost = report.parser.missing;
   for (std::size_t i = 1; i < kCauses.size(); ++i) add_rejected(health, kCauses[i], report.parser.rejected[i]);
   add_rejected(health, "repeated", report.parser.repeated);
@@ -66,7 +66,7 @@ SourceHealth source_health(const ImuReport& report) {
 SourceHealth source_health(const GnssReport& report) {
   SourceHealth health;
   health.last_arrival = report.last_arrival;
-  health.received = report.parser.fixes;
+  health.received = report.fixes;
   add_rejected(health, "bad_checksum", report.sentences.bad_checksum);
   add_rejected(health, "no_checksum", report.sentences.no_checksum);
   add_rejected(health, "broken", report.sentences.broken);
@@ -79,8 +79,8 @@ SensorEvidence evidence(const LidarReport& report, const std::optional<PoseSampl
   SensorEvidence told;
   told.heard = instant(report.decoder.received > 0, report.last_received);
   told.present = told.heard && now - *told.heard <= kLidarIsGone;
-  told.good_at = instant(report.decoder.accepted > 0, report.last_arrival);
-  told.good = report.decoder.accepted;
+  told.good_at = instant(report.packets > 0, report.last_arrival);
+  told.good = report.packets;
   report.decoder.rejections.for_each([&](const char*, std::uint64_t count) { told.bad += count; });
   told.lost = report.decoder.lost + report.socket.overflowed;
   told.clock_sure = report.clock_locked;
@@ -93,8 +93,8 @@ SensorEvidence evidence(const ImuReport& report, const std::optional<PoseSample>
   SensorEvidence told;
   told.present = report.device_open;
   told.heard = instant(report.source.bytes > 0, report.last_bytes);
-  told.good_at = instant(report.parser.samples > 0, report.last_arrival);
-  told.good = report.parser.samples;
+  told.good_at = instant(report.samples > 0, report.last_arrival);
+  told.good = report.samples;
   told.bad = sum_of(source_health(report));
   told.lost = report.parser.missing;
   told.clock_sure = report.clock.locked;
@@ -106,7 +106,7 @@ SensorEvidence evidence(const GnssReport& report, const std::optional<GnssState>
   SensorEvidence told;
   told.present = report.device_open;
   told.heard = instant(report.serial.bytes > 0, report.last_bytes);
-  told.good_at = instant(report.parser.fixes > 0, report.last_arrival);
+  told.good_at = instant(report.fixes > 0, report.last_arrival);
   told.good = report.sentences.sentences;  // of which a fix is made of several
   told.bad = sum_of(source_health(report));
   told.spoke = instant(report.sentences.sentences > 0, report.last_sentence);

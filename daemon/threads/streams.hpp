@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "daemon/inject/fault_switch.hpp"
 #include "daemon/ring/spsc_ring.hpp"
 #include "daemon/ring/triple_buffer.hpp"
 #include "daemon/server/protocol/pose_page.hpp"
@@ -35,6 +36,7 @@ struct Streams {
   SpscRing<Keyframe> keyframes{16, [](Keyframe& slot) { slot.points.reserve(kMaxKeyframePoints); }};  // -> mapping
   SpscRing<StampedPose> path{256};                             // estimator -> mapping; one pose a scan
   SpscRing<GnssFix> fixes{64};                                 // estimator -> mapping; in the order of events
+  FaultBoard faults;                                           // server -> driver threads
   std::atomic<std::int64_t> utc_offset_ns{kUtcOffsetUnknown};  // gnss thread -> imu thread; UTC minus host time
 };
 

@@ -33,7 +33,7 @@ class ServerTest : public testing::Test {
   ServerConfig config(ServerLimits limits = {}) const {
     return {.socket_path = socket_path(), .save_dir = folder_, .control_group = {}, .limits = limits};
   }
-  ServerSources sources() { return {publisher_, map_, trajectory_, health_}; }
+  ServerSources sources() { return {publisher_, map_, trajectory_, health_, faults_}; }
   std::string socket_path() const { return folder_ + "/slamd.sock"; }
   RawClient connect() const { return RawClient{socket_path()}; }
 
@@ -71,6 +71,7 @@ class ServerTest : public testing::Test {
   MapStore map_;
   TrajectoryStore trajectory_;
   HealthBoard health_{HostTime{}};
+  FaultBoard* faults_ = nullptr;
   std::unique_ptr<Server> server_;
 };
 

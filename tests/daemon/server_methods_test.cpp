@@ -5,6 +5,7 @@
 
 #include <fstream>
 
+#include "daemon/server/host_clock.hpp"
 #include "daemon/server/protocol/pose_page.hpp"
 #include "daemon/server/protocol/protocol.hpp"
 #include "tests/daemon/server_fixture.hpp"
@@ -38,6 +39,27 @@ TEST_F(ServerMethods, ASocketThatWasHandedOverIsServedAndLeftInItsPlace) {
   EXPECT_EQ(early.call(1, "version").at("result").at("daemon"), "slamd");
   server_->stop();
   EXPECT_TRUE(std::filesystem::exists(socket_path())) << "it belongs to whoever made it";
+}
+
+TEST_F(ServerMethods, InjectTurnsASensorsSwitchForATimeWhereItIsAllowed) {
+  FaultBoard board;
+  faults_ = &board;
+  start();
+  RawClient client = connect();
+  const auto played = client.call(1, "inject", {{"sensor", "imu"}, {"verb", "stuck"}, {"for_s", 60}}).at("result");
+  EXPECT_EQ(played.at("verb"), "stuck");
+  EXPECT_EQ(board.imu.verb(host_now()), FaultVerb::kStuck);
+  EXPECT_GT(board.imu.seconds_left(host_now()), 30.0);
+  EXPECT_EQ(board.lidar.verb(host_now()), FaultVerb::kNone);
+  EXPECT_TRUE(client.call(2, "inject", {{"sensor", "imu"}, {"verb", "none"}}).contains("result"));
+  EXPECT_EQ(board.imu.verb(host_now()), FaultVerb::kNone);
+  EXPECT_EQ(client.call(3, "inject", {{"verb", "explode"}}).at("error").at("code"), protocol::error::kInvalidParams);
+}
+
+TEST_F(ServerMethods, InjectIsRefusedWhereTheConfigurationDoesNotAllowIt) {
+  start();
+  const auto refused = connect().call(1, "inject", {{"sensor", "imu"}, {"verb", "off"}}).at("error");
+  EXPECT_EQ(refused.at("code"), protocol::error::kNotConfigured);
 }
 
 TEST_F(ServerMethods, ADescriptorThatIsNoListeningSocketIsAFailedStart) {

@@ -25,7 +25,7 @@ std::optional<PoseSample> pose_that_says(StatusReason reason) {
 TEST(SensorEvidence, ALidarIsPresentWhileItWasHeardLately) {
   LidarReport report;
   EXPECT_FALSE(evidence(report, {}, at_s(10)).present);
-  report.decoder.received = report.decoder.accepted = 5;
+  report.decoder.received = report.packets = 5;
   report.last_received = report.last_arrival = at_s(9.5);
   report.decoder.rejections.add(Vlp16Rejection::kHdl32e, 3);
   const SensorEvidence told = evidence(report, {}, at_s(10));

@@ -98,6 +98,14 @@ int show_pose(client::Connection& daemon, const Options& options) {
   return kOk;
 }
 
+int inject(client::Connection& daemon, const Options& options) {
+  const std::string sensor = options.sensor == "gps" ? "gnss" : options.sensor;
+  const json played =
+      daemon.call(method::kInject, {{"sensor", sensor}, {"verb", options.verb}, {"for_s", options.for_s}}).result;
+  std::cout << (options.json ? played.dump() : options.sensor + " " + options.verb) << '\n';
+  return kOk;
+}
+
 int save_map(client::Connection& daemon, const Options& options) {
   json params = {{"voxel_size_m", options.voxel_size_m},
                  {"format", options.file.ends_with(".ply") ? "ply" : "pcd"},

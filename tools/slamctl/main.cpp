@@ -19,6 +19,7 @@ constexpr const char* kFooter =
     "  slamctl status\n"
     "  slamctl doctor\n"
     "  slamctl pose --follow --rate 50 --json\n"
+    "  slamctl inject imu stuck --for 5\n"
     "  slamctl map save campus.pcd --voxel 0.1 --box -50 -50 -5 50 50 20\n"
     "  slamctl trajectory save drive.tum";
 
@@ -34,6 +35,15 @@ void add_map(CLI::App& cli, Options& options) {
   save->add_option("--voxel", options.voxel_size_m, "at most one point in each voxel of so many metres")
       ->check(CLI::Range(0.01, 100.0))->capture_default_str();
   save->add_option("--box", options.box, "only inside: min x y z max x y z, metres in map")->expected(6);
+}
+
+void add_inject(CLI::App& cli, Options& options) {
+  CLI::App* inject = cli.add_subcommand("inject", "fail a sensor on purpose, where health.allow_inject permits it");
+  inject->add_option("SENSOR", options.sensor, "which")->required()->check(CLI::IsMember({"lidar", "imu", "gps"}));
+  inject->add_option("VERB", options.verb, "how; none ends it")->required()
+      ->check(CLI::IsMember({"none", "off", "stuck", "garbage", "wrong", "slow", "delayed", "intermittent"}));
+  inject->add_option("--for", options.for_s, "seconds until it ends by itself")
+      ->check(CLI::Range(0.1, 600.0))->capture_default_str();
 }
 
 void add_commands(CLI::App& cli, Options& options) {
@@ -52,6 +62,7 @@ void add_commands(CLI::App& cli, Options& options) {
   cli.add_subcommand("doctor", "what is wrong with machine and daemon, and how to mend it; also when no daemon runs")
       ->add_option("--lidar", options.lidar_address, "the LiDAR's IPv4 address, to find its network port")
       ->check(CLI::ValidIPV4)->capture_default_str();
+  add_inject(cli, options);
   add_map(cli, options);
   CLI::App* trajectory = cli.add_subcommand("trajectory", "the path driven so far")->require_subcommand(1);
   trajectory->add_subcommand("save", "write it as TUM text (base in odom)")
@@ -64,6 +75,7 @@ Command chosen(const CLI::App& cli) {
   if (cli.got_subcommand("status")) return show_status;
   if (cli.got_subcommand("metrics")) return show_metrics;
   if (cli.got_subcommand("pose")) return show_pose;
+  if (cli.got_subcommand("inject")) return inject;
   return cli.got_subcommand("map") ? save_map : save_trajectory;
 }
 

@@ -22,6 +22,7 @@ inline constexpr int kWriteFailed = -32003;     // disk full, no permission, no 
 inline constexpr int kVersionUnknown = -32004;  // the client asked for a protocol that this daemon does not speak
 inline constexpr int kTooLong = -32005;         // the request line was too long; the connection is closed
 inline constexpr int kNotAllowed = -32006;      // the method needs a member of the control group
+inline constexpr int kNotConfigured = -32007;   // the configuration does not allow the method
 }  // namespace error
 
 namespace method {
@@ -34,6 +35,7 @@ inline constexpr const char* kGetMap = "get_map";
 inline constexpr const char* kGetPosePage = "get_pose_page";
 inline constexpr const char* kGetTrajectory = "get_trajectory";
 inline constexpr const char* kSaveMap = "save_map";
+inline constexpr const char* kInject = "inject";
 }  // namespace method
 
 /// Methods of the notifications that the daemon sends.
