@@ -1,9 +1,11 @@
 #include "daemon/health/health_board.hpp"
 
+#include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "daemon/health/process_memory.hpp"
+#include "daemon/health/thread_times.hpp"
 
 namespace slamd {
 namespace {
@@ -35,9 +37,20 @@ json ring_json(const RingCounts& counts) {
           {"pushed", counts.pushed},     {"dropped", counts.dropped}};
 }
 
-json stage_json(const Percentiles& percentiles) {
+/// 10 us to 10 s, three steps a decade; the same for all stages, so that tools may add them up.
+constexpr std::array kLimits_us{10, 20, 50, 100, 200, 500, 1'000, 2'000, 5'000, 10'000, 20'000, 50'000, 100'000,
+                                200'000, 500'000, 1'000'000, 2'000'000, 5'000'000, 10'000'000};
+
+json stage_json(const Histogram& histogram) {
   const auto ms = [](Duration duration) { return to_seconds(duration) * 1e3; };
-  return {{"count", percentiles.count}, {"p50", ms(percentiles.p50)},   {"p90", ms(percentiles.p90)},
+  const Percentiles percentiles = histogram.percentiles();
+  std::array<Duration, kLimits_us.size()> limits;
+  for (std::size_t i = 0; i < limits.size(); ++i) limits[i] = std::chrono::microseconds{kLimits_us[i]};
+  const std::vector<std::uint64_t> counts = histogram.counts_up_to(limits);
+  json buckets = json::array();
+  for (std::size_t i = 0; i < limits.size(); ++i) buckets.push_back({ms(limits[i]), counts[i]});
+  return {{"sum", ms(histogram.sum())},    {"buckets", std::move(buckets)},
+          {"count", percentiles.count}, {"p50", ms(percentiles.p50)},   {"p90", ms(percentiles.p90)},
           {"p99", ms(percentiles.p99)}, {"p999", ms(percentiles.p999)}, {"max", ms(percentiles.max)}};
 }
 
@@ -78,15 +91,19 @@ json HealthBoard::to_json(HostTime now) const {
   const ProcessMemory memory = process_memory();
   json object = {{"uptime_s", to_seconds(now - start_)},
                  {"memory", {{"resident_bytes", memory.resident_bytes}, {"peak_bytes", memory.peak_bytes}}},
+                 {"threads", json::object()},
                  {"sources", json::object()},
                  {"rings", json::object()},
                  {"stages_ms", json::object()},
                  {"counts", json::object()}};
+  for (const auto& [name, time] : thread_times()) {
+    object["threads"][name] = {{"cpu_s", time.cpu_s}, {"priority", time.priority}};
+  }
   for (const Source& source : sources_) {
     object["sources"][source.name] = source_json(source.probe(), source.rate_hz, now);
   }
   for (const auto& [name, probe] : rings_) object["rings"][name] = ring_json(probe());
-  for (const auto& [name, histogram] : stages_) object["stages_ms"][name] = stage_json(histogram->percentiles());
+  for (const auto& [name, histogram] : stages_) object["stages_ms"][name] = stage_json(*histogram);
   for (const auto& [name, probe] : counts_) object["counts"][name] = probe();
   for (const auto& [name, probe] : objects_) object[name] = probe();
   return object;

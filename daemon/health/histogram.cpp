@@ -25,7 +25,20 @@ void Histogram::record(Duration duration) {
   const auto ns = static_cast<std::uint64_t>(std::max<std::int64_t>(duration.count(), 0));
   std::atomic<std::uint64_t>& count = counts_[bucket(ns)];
   count.store(count.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  sum_ns_.store(sum_ns_.load(std::memory_order_relaxed) + ns, std::memory_order_relaxed);
   if (ns > max_ns_.load(std::memory_order_relaxed)) max_ns_.store(ns, std::memory_order_relaxed);
+}
+
+std::vector<std::uint64_t> Histogram::counts_up_to(std::span<const Duration> limits) const {
+  std::vector<std::uint64_t> totals;
+  std::uint64_t total = 0;
+  std::size_t next = 0;
+  for (const Duration limit : limits) {
+    const std::size_t end = bucket(static_cast<std::uint64_t>(std::max<std::int64_t>(limit.count(), 0))) + 1;
+    for (; next < end; ++next) total += counts_[next].load(std::memory_order_relaxed);
+    totals.push_back(total);
+  }
+  return totals;
 }
 
 Percentiles Histogram::percentiles() const {

@@ -6,6 +6,8 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "estimator/types/time.hpp"
 
@@ -23,6 +25,9 @@ class Histogram {
 
   /// Any thread.
   Percentiles percentiles() const;
+  /// Any thread. Durations up to each of the limits (to 3 %), which grow; and the sum of all.
+  std::vector<std::uint64_t> counts_up_to(std::span<const Duration> limits) const;
+  Duration sum() const { return Duration{static_cast<std::int64_t>(sum_ns_.load(std::memory_order_relaxed))}; }
 
  private:
   static constexpr int kSubBits = 5;                                  // 32 buckets an octave
@@ -34,6 +39,7 @@ class Histogram {
 
   std::array<std::atomic<std::uint64_t>, kBuckets> counts_{};
   std::atomic<std::uint64_t> max_ns_{0};
+  std::atomic<std::uint64_t> sum_ns_{0};
 };
 
 }  // namespace slamd

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "daemon/server/host_clock.hpp"
@@ -21,6 +22,11 @@ json pose_row(const StampedPose& pose) {
   const Eigen::Vector3d& p = pose.T_odom_base.translation;
   const Eigen::Quaterniond& q = pose.T_odom_base.rotation;
   return json::array({to_ns(pose.time), p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()});
+}
+
+/// Root of the three axes' variances.
+double position_sigma_m(const PoseSample& sample) {
+  return std::sqrt(sample.covariance[0] + sample.covariance[7] + sample.covariance[14]);
 }
 
 }  // namespace
@@ -83,6 +89,8 @@ json Methods::fresh_status(HostTime now) const {
     pose = {{"status", name(static_cast<TrackingStatus>(sample->status))},
             {"reasons", reason_names(sample->reasons)},
             {"age_s", to_seconds(now - from_ns<HostTime>(sample->host_time_ns))},
+            {"sigma_m", position_sigma_m(*sample)},
+            {"lidar_test_ratio", sample->lidar_test_ratio},
             {"sequence", sample->sequence}};
   }
   const MapCounts counts = sources_.map.counts();

@@ -39,6 +39,20 @@ TEST(Histogram, PercentilesAreWithinTheWidthOfABucketAtAnyScale) {
   EXPECT_EQ(percentiles.count, values.size());
 }
 
+TEST(Histogram, CountsUpToLimitsAreThoseOfTheValuesButForTheWidthOfABucket) {
+  using std::chrono::microseconds;
+  Histogram histogram;
+  for (int i = 1; i <= 1000; ++i) histogram.record(microseconds{i});
+  const std::vector<Duration> limits{microseconds{10}, microseconds{100}, microseconds{500}, std::chrono::seconds{10}};
+  const std::vector<std::uint64_t> counts = histogram.counts_up_to(limits);
+  ASSERT_EQ(counts.size(), limits.size());
+  EXPECT_EQ(counts[0], 10U);
+  EXPECT_NEAR(static_cast<double>(counts[1]), 100.0, 3.0);
+  EXPECT_NEAR(static_cast<double>(counts[2]), 500.0, 15.0);
+  EXPECT_EQ(counts[3], 1000U);
+  EXPECT_EQ(histogram.sum(), microseconds{500'500});
+}
+
 TEST(Histogram, NegativeAndEndlessDurationsAreCountedAtTheEnds) {
   Histogram histogram;
   histogram.record(Duration{-5});

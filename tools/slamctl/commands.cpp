@@ -4,11 +4,13 @@
 
 #include <cstdio>
 #include <iostream>
+#include <thread>
 
 #include "daemon/server/protocol/protocol.hpp"
 #include "tools/slamctl/daemon_findings.hpp"
 #include "tools/slamctl/metrics.hpp"
 #include "tools/slamctl/text.hpp"
+#include "tools/slamctl/top.hpp"
 
 namespace slamd::slamctl {
 namespace {
@@ -76,6 +78,23 @@ int show_status(client::Connection& daemon, const Options& options) {
 
 int show_metrics(client::Connection& daemon, const Options&) {
   std::cout << metrics_text(daemon.call(method::kGetStatus).result);
+  return kOk;
+}
+
+int show_top(client::Connection& daemon, const Options& options) {
+  const char* const begin = ::isatty(STDOUT_FILENO) == 1 && !options.once ? "\033[H\033[2J" : "";
+  json before = daemon.call(method::kGetStatus).result;
+  do {
+    std::this_thread::sleep_for(std::chrono::duration<double>{options.interval_s});
+    json status = daemon.call(method::kGetStatus).result;
+    const json figures = top_figures(before, status);
+    if (options.json) {
+      std::cout << json{{"status", status}, {"figures", figures}}.dump() << std::endl;
+    } else {
+      std::cout << begin << top_text(status, figures) << std::endl;
+    }
+    before = std::move(status);
+  } while (!options.once && std::cout);
   return kOk;
 }
 

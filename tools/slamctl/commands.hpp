@@ -23,6 +23,8 @@ struct Options {
   std::uint64_t count = 0;  // poses to follow; 0 = for ever
   std::string file;
   double voxel_size_m = 0.2;
+  double interval_s = 1.0;  // of top
+  bool once = false;
   std::string sensor, verb;  // of inject
   double for_s = 10.0;
   std::string lidar_address = doctor::Wanted{}.lidar_address;
@@ -35,6 +37,7 @@ client::Connection connect(const Options& options);
 // Each prints to stdout (progress to stderr when that is a terminal) and returns the exit code; throws ClientError.
 int show_status(client::Connection& daemon, const Options& options);
 int show_metrics(client::Connection& daemon, const Options& options);
+int show_top(client::Connection& daemon, const Options& options);
 int show_pose(client::Connection& daemon, const Options& options);
 int inject(client::Connection& daemon, const Options& options);
 int save_map(client::Connection& daemon, const Options& options);

@@ -19,6 +19,7 @@ constexpr const char* kFooter =
     "  slamctl status\n"
     "  slamctl doctor\n"
     "  slamctl pose --follow --rate 50 --json\n"
+    "  slamctl top --once\n"
     "  slamctl inject imu stuck --for 5\n"
     "  slamctl map save campus.pcd --voxel 0.1 --box -50 -50 -5 50 50 20\n"
     "  slamctl trajectory save drive.tum";
@@ -35,6 +36,13 @@ void add_map(CLI::App& cli, Options& options) {
   save->add_option("--voxel", options.voxel_size_m, "at most one point in each voxel of so many metres")
       ->check(CLI::Range(0.01, 100.0))->capture_default_str();
   save->add_option("--box", options.box, "only inside: min x y z max x y z, metres in map")->expected(6);
+}
+
+void add_top(CLI::App& cli, Options& options) {
+  CLI::App* top = cli.add_subcommand("top", "rates, latencies, gates, sensors, threads and memory, until interrupted");
+  top->add_flag("--once", options.once, "one look, then end");
+  top->add_option("--interval", options.interval_s, "seconds between two looks")
+      ->check(CLI::Range(0.2, 60.0))->capture_default_str();
 }
 
 void add_inject(CLI::App& cli, Options& options) {
@@ -62,6 +70,7 @@ void add_commands(CLI::App& cli, Options& options) {
   cli.add_subcommand("doctor", "what is wrong with machine and daemon, and how to mend it; also when no daemon runs")
       ->add_option("--lidar", options.lidar_address, "the LiDAR's IPv4 address, to find its network port")
       ->check(CLI::ValidIPV4)->capture_default_str();
+  add_top(cli, options);
   add_inject(cli, options);
   add_map(cli, options);
   CLI::App* trajectory = cli.add_subcommand("trajectory", "the path driven so far")->require_subcommand(1);
@@ -75,6 +84,7 @@ Command chosen(const CLI::App& cli) {
   if (cli.got_subcommand("status")) return show_status;
   if (cli.got_subcommand("metrics")) return show_metrics;
   if (cli.got_subcommand("pose")) return show_pose;
+  if (cli.got_subcommand("top")) return show_top;
   if (cli.got_subcommand("inject")) return inject;
   return cli.got_subcommand("map") ? save_map : save_trajectory;
 }

@@ -1,6 +1,5 @@
 #include "tools/slamctl/metrics.hpp"
 
-#include <array>
 #include <utility>
 #include <vector>
 
@@ -93,15 +92,23 @@ std::string ring_metrics(const json& rings) {
 }
 
 std::string stage_metrics(const json& stages) {
-  constexpr std::array<std::pair<const char*, const char*>, 5> kQuantiles{
-      {{"p50", "0.5"}, {"p90", "0.9"}, {"p99", "0.99"}, {"p999", "0.999"}, {"max", "1"}}};
-  Family seconds{"slamd_stage_seconds", "summary", "Duration of a stage since the start; quantile 1 is the longest."};
+  Family seconds{"slamd_stage_seconds", "histogram", "Duration of a stage since the start."};
+  Family longest{"slamd_stage_longest_seconds", "gauge", "The longest since the start."};
   for (const auto& [name, stage] : stages.items()) {
-    for (const auto& [key, quantile] : kQuantiles) {
-      seconds.add(stage.at(key).get<double>() * 1e-3, {{"stage", name}, {"quantile", quantile}});
+    for (const json& bucket : stage.at("buckets")) {
+      seconds.add(bucket.at(1), {{"stage", name}, {"le", json(bucket.at(0).get<double>() * 1e-3).dump()}}, "_bucket");
     }
+    seconds.add(stage.at("count"), {{"stage", name}, {"le", "+Inf"}}, "_bucket");
+    seconds.add(stage.at("sum").get<double>() * 1e-3, {{"stage", name}}, "_sum");
     seconds.add(stage.at("count"), {{"stage", name}}, "_count");
+    longest.add(stage.at("max").get<double>() * 1e-3, {{"stage", name}});
   }
+  return seconds.text() + longest.text();
+}
+
+std::string thread_metrics(const json& threads) {
+  Family seconds{"slamd_thread_cpu_seconds_total", "counter", "Processor time, by thread."};
+  for (const auto& [name, thread] : threads.items()) seconds.add(thread.at("cpu_s"), {{"thread", name}});
   return seconds.text();
 }
 
@@ -120,7 +127,7 @@ std::string metrics_text(const json& status) {
          single("slamd_uptime_seconds", "gauge", "Since the daemon's start.", health.at("uptime_s")) +
          single("slamd_resident_memory_bytes", "gauge", "Memory in use.", health.at("memory").at("resident_bytes")) +
          source_metrics(health.at("sources")) + ring_metrics(health.at("rings")) +
-         stage_metrics(health.at("stages_ms")) + count_metrics(health.at("counts")) +
+         stage_metrics(health.at("stages_ms")) + thread_metrics(health.at("threads")) + count_metrics(health.at("counts")) +
          single("slamd_map_keyframes", "gauge", "Keyframes of the map.", map.at("keyframes")) +
          single("slamd_map_points", "gauge", "Points of the map.", map.at("points")) +
          single("slamd_map_bytes", "gauge", "Memory of the map.", map.at("bytes")) +

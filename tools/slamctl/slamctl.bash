@@ -3,20 +3,21 @@ _slamctl() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command="" sub="" word
   for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
     case $word in
-      status | doctor | metrics | pose | inject | map | trajectory) [[ -z $command ]] && command=$word ;;
+      status | doctor | metrics | top | pose | inject | map | trajectory) [[ -z $command ]] && command=$word ;;
       save) sub=save ;;
     esac
   done
   case $prev in
     --socket) mapfile -t COMPREPLY < <(compgen -f -- "$cur"); return ;;
-    --timeout | --lidar | --rate | --count | --voxel | --box | --for) return ;;
+    --timeout | --lidar | --rate | --count | --voxel | --box | --for | --interval) return ;;
   esac
   local general="--socket --json --timeout --help" words=""
   case $command in
-    "") words="status doctor metrics pose inject map trajectory $general" ;;
+    "") words="status doctor metrics top pose inject map trajectory $general" ;;
     status | metrics) words=$general ;;
     doctor) words="--lidar $general" ;;
     pose) words="--follow --rate --count $general" ;;
+    top) words="--once --interval $general" ;;
     inject) words="lidar imu gps none off stuck garbage wrong slow delayed intermittent --for $general" ;;
     map | trajectory)
       if [[ -z $sub ]]; then

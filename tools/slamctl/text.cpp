@@ -11,27 +11,6 @@ using nlohmann::json;
 
 constexpr double kDegrees = 180.0 / M_PI;
 
-[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
-  char text[512];
-  va_list values;
-  va_start(values, pattern);
-  std::vsnprintf(text, sizeof text, pattern, values);
-  va_end(values);
-  return text;
-}
-
-std::string joined(const json& names) {
-  std::string text;
-  for (const json& name : names) text += (text.empty() ? "" : " ") + name.get<std::string>();
-  return text;
-}
-
-/// A number, or nan where the daemon had none to give (null).
-double number(const json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_number() ? found->get<double>() : std::nan("");
-}
-
 /// Indented below its sensor; nothing for sensors without a clock.
 std::string clock_line(const json& source) {
   const auto clock = source.find("clock");
@@ -44,9 +23,7 @@ std::string clock_line(const json& source) {
 std::string source_line(const std::string& name, const json& source) {
   double rejected = 0.0;
   for (const json& count : source.at("rejected")) rejected += count.get<double>();
-  const std::string state = source.at("state"), reason = source.at("reason");
-  const std::string stands = state == "healthy" ? state : state + " (" + reason + ")";
-  return format("  %-8s %-9s %8.1f /s  age %6.3f s  lost %.0f  rejected %.0f  %s\n", name.c_str(), stands.c_str(),
+  return format("  %-8s %-9s %8.1f /s  age %6.3f s  lost %.0f  rejected %.0f  %s\n", name.c_str(), state_text(source).c_str(),
                 number(source, "rate_hz"), number(source, "age_s"), number(source, "lost"), rejected,
                 source.at("device").get<std::string>().c_str()) +
          clock_line(source);
@@ -71,6 +48,31 @@ std::string section(const char* title, const json& entries, Line line) {
 }
 
 }  // namespace
+
+std::string format(const char* pattern, ...) {
+  char text[512];
+  va_list values;
+  va_start(values, pattern);
+  std::vsnprintf(text, sizeof text, pattern, values);
+  va_end(values);
+  return text;
+}
+
+std::string joined(const json& names) {
+  std::string text;
+  for (const json& name : names) text += (text.empty() ? "" : " ") + name.get<std::string>();
+  return text;
+}
+
+double number(const json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number() ? found->get<double>() : std::nan("");
+}
+
+std::string state_text(const json& source) {
+  const std::string state = source.at("state");
+  return state == "healthy" ? state : state + " (" + source.at("reason").get<std::string>() + ")";
+}
 
 std::string status_text(const json& status) {
   const json& health = status.at("health");
