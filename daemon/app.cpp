@@ -30,6 +30,7 @@ void App::record(std::unique_ptr<Recorder> recorder) {
   lidar_.record_to(recorder_->lidar());
   imu_.record_to(recorder_->imu());
   gnss_.record_to(recorder_->gnss());
+  estimator_.record_to(recorder_->limited());
   add_ring("record_lidar", [this] { return recorder_->lidar().counts(); });
   add_ring("record_imu", [this] { return recorder_->imu().counts(); });
   add_ring("record_gnss", [this] { return recorder_->gnss().counts(); });
@@ -142,6 +143,13 @@ void App::register_probes() {
   health_.add_stage("imu_to_page", imu_.imu_to_page());
   health_.add_count("scans", [this] { return estimator_.scans(); });
   health_.add_count("late_events", [this] { return estimator_.late_events(); });
+  health_.add_count("scans_thinned", [this] { return estimator_.thinned_scans(); });
+  health_.add_count("scans_let_go", [this] { return estimator_.scans_let_go(); });
+  supervisor_.watch_ring("scans", [this] {
+    RingCounts counts;
+    counts.dropped = estimator_.scans_let_go();
+    return counts;
+  });
   health_.add_count("keyframes", [this] { return estimator_.keyframes(); });
   health_.add_count("gnss_fixes", [this] { return mapping_.fixes(); });
   health_.add_object("back_end", [this] { return to_json(mapping_.state()); });

@@ -156,6 +156,8 @@ Fields estimator_thread_fields(EstimatorThreadConfig& c) {
        {0, 0.1},
        "an event waits so long for an earlier one of another sensor"},
       {"estimator.silence_s", &c.merge.silence, "s", {0.01, 1}, "after so long without events deadlines are checked"},
+      {"estimator.late_s", &c.budget.late, "s", {0.01, 10}, "an estimator that is later works on fewer points of a scan"},
+      {"estimator.hopeless_s", &c.budget.hopeless, "s", {0.02, 10}, "and lets it go when it is later than this: the next one is fresher"},
       {"estimator.poll_period_s", &c.poll_period, "s", {1e-4, 0.02}, "between two looks at empty rings"},
   };
 }

@@ -35,6 +35,7 @@ bool EstimatorThread::take_event(HostTime now) {
   const NextEvent event =
       merge_.next({oldest_arrival(streams_.imu), oldest_arrival(streams_.lidar), oldest_arrival(streams_.gnss)}, now);
   late_events_.store(merge_.late(), std::memory_order_relaxed);
+  if (event.kind != NextEvent::Kind::kNone) newest_event_ = event.time;
   switch (event.kind) {
     case NextEvent::Kind::kNone:
       return false;
@@ -60,7 +61,7 @@ bool EstimatorThread::take_event(HostTime now) {
 void EstimatorThread::take_scans() {
   for (;;) {
     const HostTime begin = host_now();
-    const ScanResult* result = odometry_.step();
+    const ScanResult* result = odometry_.step(share_of_next_scan());
     if (result == nullptr) return;
     const HostTime end = host_now();
     if (result->has_scan) {
@@ -69,6 +70,17 @@ void EstimatorThread::take_scans() {
     }
     publish(*result);
   }
+}
+
+/// Late, the estimator works on less until it has caught up: there is never a backlog, and the freshest scan wins.
+double EstimatorThread::share_of_next_scan() {
+  const std::optional<HostTime> end = odometry_.due();
+  if (!end) return 1.0;
+  const double share = scan_share(config_.budget, host_now() - newest_event_ - config_.merge.hold_back);
+  if (share == 1.0) return share;
+  (share > 0.0 ? thinned_scans_ : scans_let_go_).fetch_add(1, std::memory_order_relaxed);
+  if (limited_ != nullptr) limited_->try_push({*end, share});
+  return share;
 }
 
 void EstimatorThread::publish(const ScanResult& result) {

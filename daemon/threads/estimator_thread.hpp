@@ -9,6 +9,7 @@
 #include "daemon/health/histogram.hpp"
 #include "daemon/threads/event_merge.hpp"
 #include "daemon/threads/keyframe_feed.hpp"
+#include "daemon/threads/scan_budget.hpp"
 #include "daemon/threads/streams.hpp"
 #include "estimator/odometry/lidar_inertial_odometry.hpp"
 
@@ -17,6 +18,7 @@ namespace slamd {
 struct EstimatorThreadConfig {
   EventMergeConfig merge;
   Duration poll_period = std::chrono::milliseconds{1};  // between two looks at empty rings
+  ScanBudgetConfig budget;
 };
 
 class EstimatorThread {
@@ -24,6 +26,9 @@ class EstimatorThread {
   /// Takes all memory that the odometry needs. streams must outlive it.
   EstimatorThread(const EstimatorThreadConfig& config, const VehicleGeometry& geometry, const OdometryConfig& odometry,
                   Streams& streams);
+
+  /// Writes down the scans that get less than all points. Before run(); the ring must outlive it.
+  void record_to(SpscRing<LimitedScan>& ring) { limited_ = &ring; }
 
   /// The thread's body: returns soon after a stop request.
   void run(const std::stop_token& stop);
@@ -35,12 +40,16 @@ class EstimatorThread {
   std::uint64_t keyframes() const { return keyframes_.count(); }
   /// Events out of order of arrival; with none, a replay of the recorded bytes gives the same bits.
   std::uint64_t late_events() const { return late_events_.load(std::memory_order_relaxed); }
+  /// Scans for which there was no time: fused with a share of their points, and not at all.
+  std::uint64_t thinned_scans() const { return thinned_scans_.load(std::memory_order_relaxed); }
+  std::uint64_t scans_let_go() const { return scans_let_go_.load(std::memory_order_relaxed); }
   const Histogram& scan_time() const { return scan_time_; }        // one step of the odometry
   const Histogram& scan_latency() const { return scan_latency_; }  // end of the scan to its posterior
 
  private:
   bool take_event(HostTime now);
   void take_scans();
+  double share_of_next_scan();
   void publish(const ScanResult& result);
 
   const EstimatorThreadConfig config_;
@@ -53,6 +62,10 @@ class EstimatorThread {
   std::atomic<std::uint64_t> passes_{0};
   std::atomic<std::uint64_t> scans_{0};
   std::atomic<std::uint64_t> late_events_{0};
+  std::atomic<std::uint64_t> thinned_scans_{0};
+  std::atomic<std::uint64_t> scans_let_go_{0};
+  HostTime newest_event_;  // arrival
+  SpscRing<LimitedScan>* limited_ = nullptr;  // null: nobody records
 };
 
 }  // namespace slamd

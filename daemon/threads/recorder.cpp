@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <utility>
 
 #include "daemon/threads/pause.hpp"
@@ -53,11 +54,13 @@ Result<std::unique_ptr<Recorder>> Recorder::open(const std::string& folder, cons
   Result<PcapSink> lidar = PcapSink::open((path / "lidar.pcap").c_str());
   Result<PcapSink> imu = PcapSink::open((path / "imu.pcap").c_str());
   Result<PcapSink> gnss = PcapSink::open((path / "gps.pcap").c_str());
-  if (!lidar || !imu || !gnss || !write_text(path / "slamd.yaml", config_yaml)) {
+  std::ofstream shares{path / "scan_shares.csv"};
+  shares << std::setprecision(17) << "scan_end_ns,share\n" << std::flush;
+  if (!lidar || !imu || !gnss || !shares || !write_text(path / "slamd.yaml", config_yaml)) {
     return Error{"the files of the recording cannot be made"};
   }
   return std::unique_ptr<Recorder>{
-      new Recorder{{std::move(lidar).value(), std::move(imu).value(), std::move(gnss).value()}}};
+      new Recorder{{std::move(lidar).value(), std::move(imu).value(), std::move(gnss).value(), std::move(shares)}}};
 }
 
 void Recorder::run(const std::stop_token& stop) {
@@ -65,10 +68,18 @@ void Recorder::run(const std::stop_token& stop) {
   if (!failed()) drain();
 }
 
+bool Recorder::drain_shares() {
+  for (; const LimitedScan* scan = limited_.front(); limited_.pop()) {
+    files_.shares << to_ns(scan->end) << ',' << scan->share << std::endl;
+  }
+  return files_.shares.good();
+}
+
 /// False when the disk did not take it.
 bool Recorder::drain() {
   const auto write = [](WireTap& tap, PcapSink& file) { return !tap.drain(file) || static_cast<bool>(file.flush()); };
-  const bool written = write(lidar_, files_.lidar) && write(imu_, files_.imu) && write(gnss_, files_.gnss);
+  const bool written = write(lidar_, files_.lidar) && write(imu_, files_.imu) && write(gnss_, files_.gnss) &&
+                       drain_shares();
   if (!written) failed_.store(true, std::memory_order_relaxed);
   return written;
 }

@@ -6,12 +6,14 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <fstream>
 #include <memory>
 #include <stop_token>
 #include <string>
 #include <utility>
 
 #include "daemon/ring/spsc_ring.hpp"
+#include "daemon/threads/scan_budget.hpp"
 #include "drivers/io/pcap_sink.hpp"
 #include "drivers/io/udp_packet.hpp"
 #include "estimator/types/result.hpp"
@@ -43,7 +45,7 @@ class WireTap {
 };
 
 /// Files: lidar.pcap (both ports), imu.pcap and gps.pcap (each read of the serial port a datagram without ports),
-/// slamd.yaml (the configuration that was in force).
+/// scan_shares.csv (the scans for which the estimator had too little time), slamd.yaml (the configuration that was in force).
 class Recorder {
  public:
   /// Makes the folder and its files; fails when there is a recording already or a file cannot be made.
@@ -52,6 +54,8 @@ class Recorder {
   WireTap& lidar() { return lidar_; }
   WireTap& imu() { return imu_; }
   WireTap& gnss() { return gnss_; }
+  /// For the estimator's thread.
+  SpscRing<LimitedScan>& limited() { return limited_; }
 
   /// The thread's body, not real-time: returns soon after a stop request with all written that was taken before it. When
   /// a file cannot be written any more it ends early, and the taps drop.
@@ -63,14 +67,17 @@ class Recorder {
  private:
   struct Files {
     PcapSink lidar, imu, gnss;
+    std::ofstream shares;
   };
 
   explicit Recorder(Files files) : files_{std::move(files)} {}
   bool drain();
+  bool drain_shares();
 
   WireTap lidar_{4096};  // 5 s
   WireTap imu_{2048};    // 10 s
   WireTap gnss_{512};
+  SpscRing<LimitedScan> limited_{256};
   Files files_;
   std::atomic<bool> failed_{false};
 };

@@ -45,8 +45,21 @@ void LidarInertialOdometry::add(const LidarPacket& packet) {
 
 void LidarInertialOdometry::advance(HostTime now) { now_ = std::max(now_, now); }
 
-const ScanResult* LidarInertialOdometry::step() {
-  if (queue_.is_due(imu_, now_)) return fuse(queue_.take());
+std::optional<HostTime> LidarInertialOdometry::due() const {
+  return queue_.is_due(imu_, now_) ? std::optional{queue_.end()} : std::nullopt;
+}
+
+const ScanResult* LidarInertialOdometry::step(double share) {
+  if (queue_.is_due(imu_, now_)) {
+    const Scan& scan = queue_.take();
+    if (share <= 0.0) {
+      ++stats_.scans_let_go;
+      return nullptr;
+    }
+    if (share < 1.0) ++stats_.scans_thinned;
+    fusion_.limit(std::min(share, 1.0));
+    return fuse(scan);
+  }
   return is_silent() ? pass_time() : nullptr;
 }
 

@@ -44,6 +44,8 @@ struct OdometryStats {
   ScanQueueStats queue;
   ScanFusionStats fusion;
   std::uint64_t scans_late = 0;      // older than the filter when they came
+  std::uint64_t scans_thinned = 0;   // fused with a share of their points
+  std::uint64_t scans_let_go = 0;    // not even that
   std::uint64_t resets = 0;          // odom begun anew: the state was no number any more, or lost
 };
 
@@ -56,9 +58,13 @@ class LidarInertialOdometry {
   void add(const LidarPacket& packet);
   /// Time has come to `now` without further events: deadlines pass, silent sensors are noticed.
   void advance(HostTime now);
+  /// End of the scan that step() would fuse now; nothing when there is none.
+  std::optional<HostTime> due() const;
   /// Fuses at most one finished scan that the IMU covers or whose deadline has passed. Null when there is none. The result
   /// is valid until the next step(). No allocation after warm-up.
-  const ScanResult* step();
+  /// share  of its points may be worked on, 0..1, for who has no time for more; 0: the scan is let go. An input like the
+  ///        events: the same shares give the same bits.
+  const ScanResult* step(double share = 1.0);
   /// The de-skewed points of the newest keyframe, base frame at its scan's end. Valid until the next step().
   const PointCloud& keyframe_points() const { return keyframes_.points(); }
 

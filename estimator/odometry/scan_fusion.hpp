@@ -30,6 +30,8 @@ class ScanFusion {
   void begin(const InitialState& first);
   /// The motion during the next scan, to be filled knot by knot before fuse().
   ScanMotion& motion() { return registration_.motion(); }
+  /// Which share of the points of the scans from now on is worked on, 0..1 and not 0.
+  void limit(double share) { registration_.limit(share); }
   /// De-skews the scan, updates `filter` (at the scan's end) with it and inserts it into the map; where there is no map to
   /// compare with it begins one. The filter is unchanged when the summary says that nothing fused. No allocation.
   /// coasted: no IMU measured any of the scan's motion. listener hears of every stage; may be null.

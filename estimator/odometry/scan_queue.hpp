@@ -28,6 +28,8 @@ class ScanQueue {
   /// Whether a scan waits that the IMU covers or that need not wait for it any longer.
   bool is_due(const ImuIntake& imu, HostTime now) const;
   bool empty() const { return !has_pending_; }
+  /// Of the waiting scan. Not on an empty queue.
+  HostTime end() const { return pending_.end; }
   /// The waiting scan; valid until the next add(). Not on an empty queue.
   const Scan& take();
 

@@ -29,14 +29,20 @@ ScanRegistration::ScanRegistration(const ScanRegistrationConfig& config)
 void ScanRegistration::deskew(const Scan& scan, const Pose& T_imu_lidar) {
   motion_.finish(T_imu_lidar);
   deskewed_.clear();
-  for (const ScanSegment& segment : scan.segments) {
-    if (deskewed_.size() == deskewed_.capacity()) break;
+  const std::size_t all = std::min(scan.segments.size(), deskewed_.capacity());
+  const std::size_t some = share_of(all);
+  for (std::size_t i = 0; i < some; ++i) {
+    const ScanSegment& segment = scan.segments[i * all / some];
     deskewed_.push_back({motion_.deskew({segment.x, segment.y, segment.z}, segment.time_s),
                          static_cast<float>(segment.count)});
   }
   chosen_.clear();
-  const std::size_t most = std::min<std::size_t>(config_.max_points, deskewed_.size());
+  const std::size_t most = std::min(share_of(config_.max_points), deskewed_.size());
   for (std::size_t i = 0; i < most; ++i) chosen_.push_back(deskewed_[i * deskewed_.size() / most]);
+}
+
+std::size_t ScanRegistration::share_of(std::size_t count) const {
+  return share_ < 1.0 ? static_cast<std::size_t>(share_ * static_cast<double>(count)) : count;
 }
 
 UpdateSummary ScanRegistration::update(const Scan& scan, bool alone, FilterSnapshot& filter,

@@ -23,6 +23,8 @@ class ScanRegistration {
 
   /// The motion during the scan, to be filled knot by knot before deskew().
   ScanMotion& motion() { return motion_; }
+  /// Which share of the segments of the scans from now on is worked on, evenly chosen; 0..1 and not 0.
+  void limit(double share) { share_ = share; }
   /// Moves the scan's segments to the scan's end. Once a scan, before update() and insert().
   void deskew(const Scan& scan, const Pose& T_imu_lidar);
   /// Fuses the de-skewed segments; see slamd::update. When it did, the segments are de-skewed anew by the motion that the
@@ -39,9 +41,11 @@ class ScanRegistration {
   const PlaneMap& map() const { return map_; }
 
  private:
+  std::size_t share_of(std::size_t count) const;
   UpdateSummary pass(const Scan& scan, const IeskfConfig& config, FilterSnapshot& filter, StageListener* listener);
 
   ScanRegistrationConfig config_;
+  double share_ = 1.0;
   ScanMotion motion_;
   std::vector<MeasuredPoint> deskewed_;  // all segments
   std::vector<MeasuredPoint> chosen_;    // those that take part in the update

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -44,11 +45,19 @@ TEST_F(RecorderTest, EveryByteOfEachWireIsInItsFileWhenItHasStopped) {
     recorder->imu().take({sent, HostTime{std::chrono::seconds{5}}, {}});
     recorder->gnss().take({std::span{sent}.first(70), HostTime{std::chrono::seconds{6}}, {}});
     recorder->lidar().take({std::span{sent}.first(1206), HostTime{std::chrono::seconds{7}}, {}, 2368, 2368});
+    EXPECT_TRUE(recorder->limited().try_push({HostTime{std::chrono::seconds{8}}, 1.0 / 3.0}));
   }
   EXPECT_EQ(bytes_of("imu.pcap"), sent) << "a read longer than a slot takes several";
   EXPECT_EQ(bytes_of("gps.pcap").size(), 70U);
   EXPECT_EQ(bytes_of("lidar.pcap").size(), 1206U);
   EXPECT_TRUE(std::filesystem::exists(folder_ + "/slamd.yaml"));
+  std::string header;
+  std::int64_t end_ns = 0;
+  double share = 0.0;
+  char comma = 0;
+  std::ifstream{folder_ + "/scan_shares.csv"} >> header >> end_ns >> comma >> share;
+  EXPECT_EQ(end_ns, 8'000'000'000);
+  EXPECT_EQ(share, 1.0 / 3.0) << "to the last bit";
   EXPECT_FALSE(recorder->failed());
 }
 

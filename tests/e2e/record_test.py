@@ -3,9 +3,11 @@
 import json
 import os
 import subprocess
+import time
 import unittest
 
 from harness import ATTEMPTS, EndToEndTest
+from frozen_thread import FrozenThread  # harness knows where
 
 
 def live_pose(row):
@@ -22,6 +24,48 @@ def replayed_poses(path):
 
 
 class Record(EndToEndTest):
+    def thread(self, daemon, name):
+        folder = f"/proc/{daemon.child.pid}/task"
+        for task in os.listdir(folder):
+            with open(f"{folder}/{task}/comm", encoding="ascii") as comm:
+                if comm.read().strip() == name:
+                    return int(task)
+        return self.fail(f"no thread {name}")
+
+    def hold_up(self, daemon, length_s):
+        """Takes the estimator's thread its processor."""
+        with FrozenThread(self.thread(daemon, "slamd-estimator")):
+            time.sleep(length_s)
+
+    def test_an_estimator_that_was_held_up_catches_up_at_once_and_its_recording_replays(self):
+        for attempt in range(ATTEMPTS):
+            folder = self.path(f"late-{attempt}")
+            daemon = self.start_daemon("--record", folder, "--set", "estimator.hold_back_s=0.1", "--set", "log.repeat_period_s=0.1")
+            drive = self.start_simulator("--scenario", "parking", "--rest", "3", "--duration", "16")
+            self.await_pose("tracking", lambda pose: pose["status"] == "TRACKING" and pose["T_odom_base"]["translation_m"][0] > 1.0)
+            for length_s in (0.45, 0.25):
+                self.hold_up(daemon, length_s)
+                time.sleep(1.0)
+            self.await_value("the end of the drive", lambda: not drive.running(), 180.0)
+            poses = dict(map(live_pose, self.client.call("get_trajectory")["result"]["poses"]))
+            health = self.client.status()["health"]
+            self.client.close()
+            self.assert_stops_cleanly(daemon)
+            if health["counts"]["late_events"] == 0 and not any(ring["dropped"] for ring in health["rings"].values()):
+                break
+        else:
+            self.skipTest(f"the machine was too busy for every event to be in time: {health['counts']}")
+        counts = health["counts"]
+        print(f"let go {counts['scans_let_go']}, thinned {counts['scans_thinned']} of {counts['scans']} scans", flush=True)
+        self.assertGreaterEqual(counts["scans_let_go"], 2)
+        self.assertIn("ring_scans state=dropping", daemon.output())
+        replayed, report = self.replay(folder)
+        self.assertEqual(report["drops"]["scans_let_go"], counts["scans_let_go"])
+        self.assertEqual(report["drops"]["scans_thinned"], counts["scans_thinned"])
+        common = [stamp for stamp in replayed if stamp <= max(poses)]
+        self.assertGreater(len(common), 30)
+        self.assertEqual([stamp for stamp in common if poses.get(stamp) != replayed[stamp]], [])
+
     def drive_and_record(self, folder):
         """The poses of a live drive, and whether every event was in time: late or dropped ones prove nothing about the order."""
         daemon = self.start_daemon("--record", folder, "--set", "estimator.hold_back_s=0.1")

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <pthread.h>
 
+#include <array>
 #include <span>
 
 #include "tests/support/odometry_run.hpp"
@@ -174,6 +175,32 @@ TEST_F(Odometry, LostPacketsMakeAScanIncompleteAndAreSurvived) {
   for (const ScanResult& result : results_) said |= has(result.state, StatusReason::kLidarIncomplete);
   EXPECT_TRUE(said);
   EXPECT_LT(worst_error(1.5), 0.06);
+}
+
+TEST_F(Odometry, WhoHasTooLittleTimeWorksOnFewerPointsOrLetsScansGo) {
+  run(3.0);
+  const std::size_t before = results_.size();
+  std::uint64_t scan = 0;
+  drive_.play(
+      3.0, 6.0, [&](const ImuSample& sample) { odometry_.add(sample); },
+      [&](const LidarPacket& packet) {
+        odometry_.add(packet);
+        if (!odometry_.due()) return;
+        const HostTime end = *odometry_.due();
+        const double share = std::array{1.0, 0.25, 0.0}[scan++ % 3];
+        const ScanResult* result = odometry_.step(share);
+        ASSERT_EQ(result == nullptr, share == 0.0);
+        if (result == nullptr) return;
+        EXPECT_EQ(result->state.time, end);
+        EXPECT_TRUE(result->update.fused);
+        EXPECT_LT(result->update.inliers, share < 1.0 ? 900 : 4'000);
+        results_.push_back(*result);
+      });
+  EXPECT_GT(results_.size(), before + 15);
+  EXPECT_EQ(odometry_.stats().scans_let_go, scan / 3);
+  EXPECT_NEAR(static_cast<double>(odometry_.stats().scans_thinned), static_cast<double>(scan) / 3.0, 1.0);
+  EXPECT_LT(worst_error(1.5), 0.08);
+  EXPECT_EQ(results_.back().state.status, TrackingStatus::kTracking) << "reasons " << results_.back().state.reasons;
 }
 
 TEST_F(Odometry, TheSameEventsGiveTheSameBits) {

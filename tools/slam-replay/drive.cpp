@@ -1,5 +1,6 @@
 #include "tools/slam-replay/drive.hpp"
 
+#include <limits>
 #include <utility>
 
 namespace slamd::replay {
@@ -17,6 +18,7 @@ Drive::Drive(const std::string& folder, const DriveConfig& config)
     : config_{config}, pcap_{open_capture(folder + "/lidar.pcap")}, decoder_{config.vlp16}, merge_{config.merge} {
   open_imu(folder);
   if (config.with_gps) open_gps(folder);
+  read_shares(folder + "/scan_shares.csv");
 }
 
 void Drive::open_imu(const std::string& folder) {
@@ -35,6 +37,19 @@ void Drive::open_gps(const std::string& folder) {
   }
   gps_file_.open(folder + "/gps.csv");
   if (gps_file_) gps_reader_.emplace(gps_file_, config_.nmea);
+}
+
+void Drive::read_shares(const std::string& path) {
+  std::ifstream file{path};
+  file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');  // the header
+  std::int64_t end_ns = 0;
+  char comma = ',';
+  for (double share = 1.0; file >> end_ns >> comma >> share;) shares_[from_ns<HostTime>(end_ns)] = share;
+}
+
+double Drive::scan_share(HostTime scan_end) const {
+  const auto found = shares_.find(scan_end);
+  return found == shares_.end() ? 1.0 : found->second;
 }
 
 Event Drive::next() {

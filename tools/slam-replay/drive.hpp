@@ -3,6 +3,7 @@
 // recorded bytes.
 
 #include <fstream>
+#include <map>
 #include <optional>
 #include <string>
 #include <variant>
@@ -46,6 +47,8 @@ class Drive {
   Drive(const std::string& folder, const DriveConfig& config);
 
   Event next();
+  /// Of the points of the scan that ended then: less than 1 where the live estimator had no time for more.
+  double scan_share(HostTime scan_end) const;
   /// Bytes of lidar.pcap read so far, 0..1; 0 without one.
   double progress() const;
 
@@ -61,6 +64,7 @@ class Drive {
  private:
   void open_imu(const std::string& folder);
   void open_gps(const std::string& folder);
+  void read_shares(const std::string& path);
   void refill();
   std::optional<ImuSample> next_sample();
   std::optional<GnssFix> next_fix();
@@ -78,6 +82,7 @@ class Drive {
   std::optional<ImuSample> imu_;
   std::optional<GnssFix> fix_;
   const LidarPacket* packet_ = nullptr;
+  std::map<HostTime, double> shares_;  // of scan_shares.csv
 };
 
 }  // namespace slamd::replay

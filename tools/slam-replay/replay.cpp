@@ -17,12 +17,12 @@ void Replay::run(Drive& drive, Output& output, Progress& progress, bool with_map
   const auto begin = std::chrono::steady_clock::now();
   with_map_ = with_map;
   while (take(drive.next(), output)) {
-    step(output);
+    step(drive, output);
     progress.show(drive.progress());
   }
   // Nothing more will come: the last scan's deadline passes.
   odometry_.advance(last_ + std::chrono::milliseconds{200});
-  step(output);
+  step(drive, output);
   if (with_map_) finish_map();
   report_.drive = last_ - first_;
   report_.wall = std::chrono::steady_clock::now() - begin;
@@ -51,10 +51,11 @@ bool Replay::take(const Event& event, Output& output) {
   return !std::holds_alternative<std::monostate>(event);
 }
 
-void Replay::step(Output& output) {
+void Replay::step(const Drive& drive, Output& output) {
   for (;;) {
     times_.begin_scan();
-    const ScanResult* result = odometry_.step();
+    const std::optional<HostTime> due = odometry_.due();
+    const ScanResult* result = odometry_.step(due ? drive.scan_share(*due) : 1.0);
     if (result == nullptr) return;
     if (result->has_scan) times_.end_scan();
     keep(*result, output);

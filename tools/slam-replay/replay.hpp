@@ -33,7 +33,7 @@ class Replay {
 
  private:
   bool take(const Event& event, Output& output);
-  void step(Output& output);
+  void step(const Drive& drive, Output& output);
   void keep(const ScanResult& result, Output& output);
   void keep_keyframe(const ScanResult& result, Output& output);
   void finish_map();

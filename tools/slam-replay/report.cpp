@@ -51,7 +51,8 @@ Json status_line(const Report& report) {
 }
 
 Json drops(const Drive& drive, const OdometryStats& stats) {
-  Json out{{"lidar_packets_lost", drive.lidar_stats().lost}, {"scans_late", stats.scans_late + stats.queue.overtaken}};
+  Json out{{"lidar_packets_lost", drive.lidar_stats().lost}, {"scans_late", stats.scans_late + stats.queue.overtaken},
+           {"scans_thinned", stats.scans_thinned}, {"scans_let_go", stats.scans_let_go}};
   if (drive.imu_reader() != nullptr) out["imu_samples_missing"] = drive.imu_reader()->clock().missing();
   if (drive.imu_wire() != nullptr) out["imu_samples_missing"] = drive.imu_wire()->parser().stats().missing;
   return out;
