@@ -52,6 +52,7 @@ class App {
   /// Any thread. Scans and keyframes since the start.
   std::uint64_t scans() const { return estimator_.scans(); }
   std::uint64_t keyframes() const { return estimator_.keyframes(); }
+  const Histogram& scan_latency() const { return estimator_.scan_latency(); }  // end of a scan to its posterior
 
  private:
   App(const Config& config, const std::string& version, PosePublisher publisher, std::unique_ptr<Streams> streams,

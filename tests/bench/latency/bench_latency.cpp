@@ -1,6 +1,7 @@
-// From an IMU frame in the port to its pose on the page, in the running daemon while scans are being fused, beside what the
-// machine's scheduler does to a thread of the same priority that only sleeps (as cyclictest measures). Prints a table.
-//     bench_imu_latency [SECONDS]
+// From an IMU frame in the port to its pose on the page, and from a scan's last packet to its pose, in the running daemon beside
+// what the machine's scheduler does to a thread of the same priority that only sleeps (as cyclictest measures). Prints a table;
+// `run` beside it adds cyclictest and stress-ng of the same minutes.
+//     bench_latency [SECONDS]
 
 #include <fcntl.h>
 #include <poll.h>
@@ -104,13 +105,24 @@ void print_row(const char* name, const Percentiles& p) {
               us(p.p99), us(p.p999), us(p.max));
 }
 
+/// What did not become a pose, by cause.
+void print_missed(const nlohmann::json& health) {
+  const nlohmann::json& counts = health.at("counts");
+  std::uint64_t dropped = 0;
+  for (const auto& ring : health.at("rings")) dropped += ring.at("dropped").get<std::uint64_t>();
+  std::printf("%s scans to poses, %s with fewer points, %s let go; %llu items dropped by rings, %s events late, %s LiDAR packets lost\n",
+              counts.at("scans").dump().c_str(), counts.at("scans_thinned").dump().c_str(),
+              counts.at("scans_let_go").dump().c_str(), static_cast<unsigned long long>(dropped),
+              counts.at("late_events").dump().c_str(), health.at("sources").at("lidar").at("lost").dump().c_str());
+}
+
 int run(Duration length) {
   const test::TemporaryFolder folder;
   Relay relay{folder.file("sim-imu"), folder.file("imu")};
   auto app = App::open(config_in(folder), "bench");
   const test::LiveSimulator simulator = simulator_in(folder, length + kWarmUp);
   if (!app || !simulator.started() || !(*app)->start()) {
-    std::fprintf(stderr, "bench_imu_latency: cannot start (%s)\n", app ? "simulator or server" : app.reason());
+    std::fprintf(stderr, "bench_latency: cannot start (%s)\n", app ? "simulator or server" : app.reason());
     return 1;
   }
   client::Connection connection{folder.file("slamd.sock")};
@@ -122,16 +134,17 @@ int run(Duration length) {
     const Worker sleeper{{"bench-sleep", imu_priority}, [&](const std::stop_token& stop) { measure_sleep(stop, *sleep); }};
     const Worker cable{{"bench-cable", imu_priority - 1},
                        [&](const std::stop_token& stop) { relay.run(stop, page, *frame_to_page); }};
-    if (!cable.scheduled()) std::fprintf(stderr, "bench_imu_latency: %s\n", cable.scheduled().reason());
+    if (!cable.scheduled()) std::fprintf(stderr, "bench_latency: %s\n", cable.scheduled().reason());
     const HostTime end = host_now() + length + kWarmUp;
     while (host_now() < end && (*app)->supervise()) pause_for(100ms);
   }
   const Percentiles a = frame_to_page->percentiles(), b = sleep->percentiles();
-  std::printf("%llu scans fused meanwhile\n\n| microseconds | count | p50 | p99 | p99.9 | max |\n| --- | --- | --- | --- | --- "
-              "| --- |\n", static_cast<unsigned long long>((*app)->scans()));
+  print_missed(connection.call("get_status").result.at("health"));
+  std::printf("\n| microseconds | count | p50 | p99 | p99.9 | max |\n| --- | --- | --- | --- | --- | --- |\n");
   print_row("IMU frame in the port to its pose on the page", a);
   print_row("a thread that only sleeps 5 ms, too late by", b);
   print_row("difference", {a.count, a.p50 - b.p50, a.p90 - b.p90, a.p99 - b.p99, a.p999 - b.p999, a.max - b.max});
+  print_row("end of a scan to its pose, since the start", (*app)->scan_latency().percentiles());
   (*app)->stop();
   return 0;
 }
