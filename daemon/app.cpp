@@ -155,6 +155,13 @@ void App::register_probes() {
   health_.add_object("back_end", [this] { return to_json(mapping_.state()); });
   health_.add_count("log_lines_lost", [this] { return log_.lost(); });
   supervisor_.watch_pose([this] { return publisher_.newest(); });
+  watch_budgets();
+}
+
+void App::watch_budgets() {
+  supervisor_.watch_budget({"map", "without the oldest", [this] { return map_.counts().evicted_keyframes; }});
+  supervisor_.watch_budget({"loops", "without loops to the oldest", [this] { return mapping_.state().forgotten_clouds; }});
+  supervisor_.watch_budget({"graph", "by odometry alone", [this] { return mapping_.state().left_out_keyframes; }});
 }
 
 void App::register_sensors() {

@@ -65,6 +65,7 @@ class App {
   void register_probes();
   void register_sensors();
   void allow_faults();
+  void watch_budgets();
   void add_source(const std::string& name, const HealthBoard::SourceProbe& probe);
   void add_ring(const std::string& name, const HealthBoard::RingProbe& probe);
 

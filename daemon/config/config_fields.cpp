@@ -133,7 +133,7 @@ Fields map_fields(MapStoreConfig& c) {
       {"map.byte_budget",
        &c.byte_budget,
        "B",
-       {1 << 20, 1e12},
+       {1 << 16, 1e12},
        "of all points; beyond it the oldest keyframes are forgotten"},
       {"map.shared_keyframes",
        &c.shared_keyframes,

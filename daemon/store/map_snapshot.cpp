@@ -13,7 +13,8 @@ CloudPoint placed(const Pose& T_map_base, const PackedPoint& point) {
 
 }  // namespace
 
-void MapSnapshot::append(Part part, std::size_t count) {
+void MapSnapshot::append(Part part) {
+  const auto count = static_cast<std::size_t>(std::ranges::count(part.chosen, true));
   if (count == 0) return;
   part.begin = size_;
   size_ += count;

@@ -36,8 +36,8 @@ class MapSnapshot {
   /// All of them at once.
   PointCloud points() const;
 
-  /// Takes a keyframe's choice; count of its points are chosen.
-  void append(Part part, std::size_t count);
+  /// Takes a keyframe's choice.
+  void append(Part part);
 
  private:
   std::vector<Part> parts_;

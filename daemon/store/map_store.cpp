@@ -49,20 +49,19 @@ struct MapStore::StoredKeyframe {
 
 namespace {
 
-/// Adds what lies in the box and in a voxel not yet taken, until max_points.
-void choose(MapSnapshot::Part part, const MapQuery& query, VoxelSet& voxels, MapSnapshot& snapshot) {
-  const std::size_t room = query.max_points - snapshot.size();
-  std::size_t count = 0;
-  part.chosen.assign(part.points->size(), false);
+constexpr std::size_t kPointsAPass = 2'000'000;
+constexpr std::size_t kMostPasses = 8;
+
+/// Chooses what lies in the box and in a voxel not yet taken, `room` points at most. False: there were more.
+bool choose(const MapBox& box, VoxelSet& voxels, std::size_t& room, MapSnapshot::Part& part) {
   for (std::size_t i = 0; i < part.points->size(); ++i) {
     const Eigen::Vector3d p_map = part.T_map_base * (*part.points)[i].position().cast<double>();
-    if (!contains(query.box, p_map) || !voxels.take(p_map.x(), p_map.y(), p_map.z())) continue;
-    snapshot.truncated = count == room;
-    if (snapshot.truncated) break;
+    if (!contains(box, p_map) || !voxels.take(p_map.x(), p_map.y(), p_map.z())) continue;
+    if (room == 0) return false;
     part.chosen[i] = true;
-    ++count;
+    --room;
   }
-  snapshot.append(std::move(part), count);
+  return true;
 }
 
 }  // namespace
@@ -191,27 +190,38 @@ std::optional<GeoReference> MapStore::geo_reference() const {
   return reference_;
 }
 
+/// The keyframes that may have points in the box, nothing chosen yet.
+std::vector<MapSnapshot::Part> MapStore::parts_in(const MapBox& box, MapSnapshot& snapshot) const {
+  std::vector<MapSnapshot::Part> parts;
+  const std::lock_guard lock{mutex_};
+  snapshot.reference = reference_;
+  for (const auto& [id, keyframe] : keyframes_) {
+    if (may_touch(box, keyframe.T_map_base.translation, keyframe.reach_m)) parts.push_back({keyframe.T_map_base, keyframe.points, {}, 0});
+  }
+  return parts;
+}
+
 MapSnapshot MapStore::snapshot(const MapQuery& query, const Progress& progress) const {
   MapSnapshot snapshot;
-  std::vector<StoredKeyframe> placed;
-  {
-    const std::lock_guard lock{mutex_};
-    snapshot.reference = reference_;
-    placed.reserve(keyframes_.size());
-    for (const auto& [id, keyframe] : keyframes_) placed.push_back(keyframe);
-  }
+  std::vector<MapSnapshot::Part> parts = parts_in(query.box, snapshot);
   std::size_t most = 0;
-  for (const StoredKeyframe& keyframe : placed) {
-    if (may_touch(query.box, keyframe.T_map_base.translation, keyframe.reach_m)) most += keyframe.points->size();
+  for (MapSnapshot::Part& part : parts) {
+    part.chosen.assign(part.points->size(), false);
+    most += part.points->size();
   }
-  VoxelSet voxels{query.voxel_size_m, most};
-  for (std::size_t i = 0; i < placed.size() && !snapshot.truncated; ++i) {
-    if (progress && !progress(static_cast<double>(i) / static_cast<double>(placed.size()))) break;
-    const auto& [T_map_base, reach_m, points] = placed[i];
-    if (!may_touch(query.box, T_map_base.translation, reach_m)) continue;
-    choose({T_map_base, points, {}, 0}, query, voxels, snapshot);
-    ++snapshot.keyframes;
+  const std::size_t passes = std::min(most / kPointsAPass + 1, kMostPasses);
+  const std::size_t steps = passes * parts.size();
+  std::size_t room = query.max_points;
+  std::optional<VoxelSet> voxels;
+  for (std::size_t step = 0; step < steps && !snapshot.truncated; ++step) {
+    if (progress && !progress(static_cast<double>(step) / static_cast<double>(steps))) break;
+    const auto pass = static_cast<std::uint32_t>(step / parts.size());
+    const std::size_t share = passes == 1 ? most : most / passes / 8 * 9;  // more than chance makes of so many
+    if (step % parts.size() == 0) voxels.emplace(query.voxel_size_m, share, VoxelShare{pass, static_cast<std::uint32_t>(passes)});
+    snapshot.truncated = !choose(query.box, *voxels, room, parts[step % parts.size()]);
+    if (pass == 0) ++snapshot.keyframes;
   }
+  for (MapSnapshot::Part& part : parts) snapshot.append(std::move(part));
   return snapshot;
 }
 

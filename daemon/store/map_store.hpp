@@ -12,6 +12,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "daemon/store/geo_reference.hpp"
 #include "daemon/store/map_snapshot.hpp"
@@ -88,7 +89,8 @@ class MapStore {
   /// Told the share done, 0..1; returning false ends the work early.
   using Progress = std::function<bool(double)>;
 
-  /// The map's points inside query.box, in map. An interrupted or truncated snapshot holds what was found until then.
+  /// The map's points inside query.box, in map. An interrupted or truncated snapshot holds what was found until then. Large
+  /// maps are gone through several times, a share of the voxels each, so that the set of voxels takes some 10 MB.
   MapSnapshot snapshot(const MapQuery& query, const Progress& progress = {}) const;
 
   MapCounts counts() const;
@@ -97,6 +99,7 @@ class MapStore {
   struct StoredKeyframe;
   using Keyframes = std::map<std::uint64_t, StoredKeyframe>;
 
+  std::vector<MapSnapshot::Part> parts_in(const MapBox& box, MapSnapshot& snapshot) const;
   PackedPoints thin(const Keyframe& keyframe);
   bool keep(const Keyframe& keyframe, StoredKeyframe stored);
   std::optional<std::uint64_t> oldest_kept() const;

@@ -16,12 +16,13 @@ std::uint64_t axis_number(double coordinate) {
 
 }  // namespace
 
-VoxelSet::VoxelSet(double voxel_size_m, std::size_t most)
-    : inverse_size_{1.0 / voxel_size_m}, slots_(std::max(most / 4 * 5 + 4, kFewestSlots), 0) {}
+VoxelSet::VoxelSet(double voxel_size_m, std::size_t most, VoxelShare share)
+    : inverse_size_{1.0 / voxel_size_m}, share_{share}, slots_(std::max(most / 4 * 5 + 4, kFewestSlots), 0) {}
 
 bool VoxelSet::take(double x, double y, double z) {
   const std::uint64_t hash = spread(axis_number(x * inverse_size_) << 42U | axis_number(y * inverse_size_) << 21U |
                                     axis_number(z * inverse_size_));
+  if (static_cast<std::uint32_t>(hash >> 1U) % share_.of != share_.number) return false;
   const std::uint32_t mark = static_cast<std::uint32_t>(hash) | 1U;
   std::size_t slot = ((hash >> 32U) * slots_.size()) >> 32U;  // the high half, from 2^32 down to their number
   while (slots_[slot] != 0) {

@@ -8,12 +8,18 @@
 
 namespace slamd {
 
+/// One of `of` shares into which the voxels of all grids fall by chance.
+struct VoxelShare {
+  std::uint32_t number = 0;
+  std::uint32_t of = 1;
+};
+
 class VoxelSet {
  public:
-  /// voxel_size_m > 0. most: how many voxels will be taken at most, below 2^31.
-  VoxelSet(double voxel_size_m, std::size_t most);
+  /// voxel_size_m > 0. most: how many voxels will be taken at most, below 2^31. share: the others are never taken.
+  VoxelSet(double voxel_size_m, std::size_t most, VoxelShare share = {});
 
-  /// Takes the voxel of a finite point; false when it was taken already. The grid repeats itself after 2^21 voxels.
+  /// Takes the voxel of a finite point; false when it was taken already or is of another share. The grid repeats itself after 2^21 voxels.
   bool take(double x, double y, double z);
 
   std::size_t size() const { return size_; }
@@ -27,6 +33,7 @@ class VoxelSet {
 
  private:
   double inverse_size_;
+  VoxelShare share_;
   std::vector<std::uint32_t> slots_;  // at most four fifths taken; 0 is free
   std::size_t size_ = 0;
 };

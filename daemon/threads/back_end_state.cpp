@@ -40,7 +40,10 @@ BackEndState state_of(const Relocaliser& back_end, HostTime now) {
                      .gnss = {},
                      .link = back_end.link(),
                      .relocalisation = back_end.counts(),
-                     .forgotten_clouds = mapper.forgotten_clouds()};
+                     .forgotten_clouds = mapper.forgotten_clouds(),
+                     .bytes = mapper.bytes(),
+                     .byte_budget = mapper.byte_budget(),
+                     .left_out_keyframes = mapper.left_out_keyframes()};
   if (const PositionSource* gnss = mapper.positions()) state.gnss = GnssState{gnss->trust(now), gnss->latency()};
   return state;
 }
@@ -52,6 +55,10 @@ json to_json(const BackEndState& state) {
           {"closures", solution.closures},
           {"gnss_positions", solution.positions},
           {"forgotten_clouds", state.forgotten_clouds},
+          {"bytes", state.bytes},
+          {"byte_budget", state.byte_budget},
+          {"budget_reached", state.left_out_keyframes > 0},
+          {"left_out_keyframes", state.left_out_keyframes},
           {"T_map_odom", pose_json(state.link.T_map_odom)},
           {"relocalising", !state.link.known},
           {"relocalised", state.relocalisation.relocalised},

@@ -22,6 +22,9 @@ struct BackEndState {
   MapLink link;
   RelocaliserCounts relocalisation;
   std::size_t forgotten_clouds = 0; // keyframes that no loop can be closed with any more
+  std::size_t bytes = 0;            // of all that grows but points
+  std::size_t byte_budget = 0;
+  std::uint64_t left_out_keyframes = 0;  // for this budget; more than none: the map is corrected no further
 };
 
 /// Mapping thread. now  host time.

@@ -60,6 +60,11 @@ void Supervisor::look(HostTime now) {
     if (counts.dropped == 0) continue;
     changes_.look("ring_" + ring.name, condition(counts, std::exchange(ring.dropped, counts.dropped)), now);
   }
+  for (const Budget& budget : budgets_) {
+    if (const std::uint64_t count = budget.let_go(); count > 0) {
+      changes_.look("budget_" + budget.name, {LogLevel::kWarning, "state=reached, continuing " + budget.consequence + ":", " keyframes=" + std::to_string(count)}, now);
+    }
+  }
   if (pose_) changes_.look("pose", condition(pose_()), now);
 }
 

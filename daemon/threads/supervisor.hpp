@@ -24,6 +24,13 @@ Condition condition(const std::optional<PoseSample>& sample);
 /// Whether a ring has lost anything since it had lost `dropped_before`.
 Condition condition(const RingCounts& counts, std::uint64_t dropped_before);
 
+/// What is kept within a byte budget. consequence: what the operator loses by it.
+struct Budget {
+  std::string name;
+  std::string consequence;                  // "without the oldest keyframes"
+  std::function<std::uint64_t()> let_go;    // how much; 0 as long as all has room
+};
+
 class Supervisor {
  public:
   using PoseProbe = std::function<std::optional<PoseSample>()>;
@@ -35,6 +42,7 @@ class Supervisor {
   const SensorWatch& watch_sensor(const SensorPatience& patience, SensorWatch::Probe probe);
   void watch_source(std::string name, HealthBoard::SourceProbe probe);
   void watch_ring(std::string name, HealthBoard::RingProbe probe);
+  void watch_budget(Budget budget) { budgets_.push_back(std::move(budget)); }
   void watch_pose(PoseProbe probe) { pose_ = std::move(probe); }
 
   /// One look at everything; not for real-time threads.
@@ -57,6 +65,7 @@ class Supervisor {
   std::vector<std::unique_ptr<SensorWatch>> sensors_;
   std::vector<std::pair<std::string, HealthBoard::SourceProbe>> sources_;
   std::vector<Ring> rings_;
+  std::vector<Budget> budgets_;
 };
 
 }  // namespace slamd

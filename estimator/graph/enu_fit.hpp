@@ -19,7 +19,7 @@ struct EnuPair {
 };
 
 struct EnuFitConfig {
-  double correlation_s = 30.0;        // a receiver's errors are much the same for so long
+  double correlation_s = 60.0;        // a receiver's errors last for so long: e^-1 of them is left after it
   double max_yaw_sigma_rad = 0.05;    // less sure: no alignment
   double min_inlier_share = 0.6;      // of the fixes; fewer: no alignment
   std::size_t min_fixes = 8;

@@ -13,6 +13,7 @@ constexpr double kUnusedHeight_m = 1.0e4;  // sigma of a height that is left out
 constexpr double kMaxVelocityInnovation_mps = 1.5;
 constexpr double kDoubtfulWeight = 0.1;
 constexpr std::size_t kBatch = 10;         // new positions that are worth a solve
+constexpr std::size_t kMostRefused = 100'000;  // reports of fixes at rest: a parked vehicle must not fill the memory
 
 /// Of the horizontal prediction: alignment and what odometry may have drifted since the fix before it.
 Eigen::Matrix2d prediction_covariance(const EnuAlignment& alignment, const Eigen::Vector3d& p_map, double drift_m2) {
@@ -31,18 +32,36 @@ GnssAlignment::GnssAlignment(const GnssAlignmentConfig& config, const Eigen::Vec
       latch_{config.trust} {}
 
 void GnssAlignment::add(const GnssFix& fix) {
-  FixReport report{.time = fix.time, .chi2 = std::numeric_limits<double>::quiet_NaN(), .sigma_m = fix.sigma_horizontal_m};
+  FixReport report{.number = arrived_++, .time = fix.time, .chi2 = std::numeric_limits<double>::quiet_NaN(), .sigma_m = fix.sigma_horizontal_m};
   if (!is_usable(fix, report)) {
     if (report.verdict == FixVerdict::kQuality) latch_.judge(fix.time, false);
-    reports_.push_back(report);
+    refuse(report);
     return;
   }
   if (!enu_) {
     enu_.emplace(GeodeticPosition{fix.latitude_deg, fix.longitude_deg, fix.height_valid ? fix.height_m : 0.0},
                  config_.projection);
   }
-  pending_.push_back({fix, reports_.size()});
-  reports_.push_back(report);
+  pending_.push_back({fix, report});
+}
+
+void GnssAlignment::refuse(const FixReport& report) {
+  refused_.push_back(report);
+  if (refused_.size() > kMostRefused) refused_.pop_front();
+}
+
+std::vector<FixReport> GnssAlignment::reports() const {
+  std::vector<FixReport> all{refused_.begin(), refused_.end()};
+  for (const TiedFix& fix : tied_) all.push_back(fix.report);
+  for (const Pending& pending : pending_) all.push_back(pending.report);
+  std::ranges::sort(all, {}, &FixReport::number);
+  return all;
+}
+
+std::size_t GnssAlignment::bytes() const {
+  const std::size_t a_fix = sizeof(Pending) + sizeof(TiedFix) + sizeof(EnuPair);  // the last while it is fitted
+  return track_.bytes() + tied_.size() * a_fix + refused_.size() * sizeof(FixReport) +
+         positions_.size() * sizeof(GnssPosition);
 }
 
 bool GnssAlignment::is_usable(const GnssFix& fix, FixReport& report) const {
@@ -65,10 +84,12 @@ void GnssAlignment::tie_pending() {
     if (tied) {
       tied->report = pending.report;
       if (!tied_.empty()) tied->since_last_s = to_seconds(tied->time - tied_.back().time);
-      FixVerdict& verdict = reports_[pending.report].verdict;
+      FixVerdict& verdict = tied->report.verdict;
       if (verdict == FixVerdict::kUntied) verdict = FixVerdict::kUnaligned;  // a fix that is tied anew keeps its own
       tied_.push_back(*tied);
       fixes_.push_back(pending);
+    } else {
+      refuse(pending.report);
     }
     pending_.pop_front();
   }
@@ -76,6 +97,7 @@ void GnssAlignment::tie_pending() {
 
 /// All fixes once more with the latency believed now.
 void GnssAlignment::tie_anew() {
+  for (std::size_t i = 0; i < tied_.size(); ++i) fixes_[i].report = tied_[i].report;
   pending_.insert(pending_.begin(), fixes_.begin(), fixes_.end());
   fixes_.clear();
   tied_.clear();
@@ -150,7 +172,7 @@ void GnssAlignment::judge(const GraphView& view, const EnuAlignment& alignment, 
   const Matrix6d drift = view.odometry.relative_covariance(keyframe > 50 ? keyframe - 50 : 0, keyframe);
   const Eigen::Matrix2d S = prediction_covariance(alignment, pair.p_map, drift.topLeftCorner<2, 2>().trace()) +
                             pair.sigma_m.x() * pair.sigma_m.x() * Eigen::Matrix2d::Identity();
-  FixReport& report = reports_[fix.report];
+  FixReport& report = fix.report;
   report.chi2 = innovation.head<2>().dot(S.ldlt().solve(innovation.head<2>()));
   report.innovation_m = innovation.head<2>().norm();
   const bool inside = report.chi2 <= config_.max_chi2_horizontal;
@@ -167,7 +189,9 @@ void GnssAlignment::judge(const GraphView& view, const EnuAlignment& alignment, 
 void GnssAlignment::time_by(const TiedFix& fix, const Eigen::Vector2d& innovation_m, const Eigen::Quaterniond& R_enu_odom) {
   const Eigen::Vector2d velocity = (R_enu_odom * fix.velocity_odom_mps).head<2>();
   const double sigma_m = fix.position.sigma_m.x();
-  latency_.add_position(innovation_m, velocity, share_of(fix) / (sigma_m * sigma_m));
+  // What lasts looks like latency only until the vehicle has turned: it counts against it for half as long as elsewhere.
+  const double share = std::min(1.0, 2.0 * share_of(fix));
+  latency_.add_position(innovation_m, velocity, share / (sigma_m * sigma_m));
   if (!fix.velocity_enu_mps) return;
   const Eigen::Vector2d innovation_mps = *fix.velocity_enu_mps - velocity;
   if (innovation_mps.norm() > kMaxVelocityInnovation_mps) return;
@@ -175,9 +199,9 @@ void GnssAlignment::time_by(const TiedFix& fix, const Eigen::Vector2d& innovatio
   latency_.add_velocity(innovation_mps, (R_enu_odom * fix.acceleration_odom_mps2).head<2>(), weight);
 }
 
-/// Do means over stretches longer than the receiver's errors last differ from a rigid track by more than these errors?
+/// Do means over stretches as long as the receiver's errors last differ from a rigid track by more than these errors?
 bool GnssAlignment::contradicts_track(const GraphView& view) const {
-  const Duration stretch = from_seconds(2.0 * config_.fit.correlation_s);
+  const Duration stretch = from_seconds(config_.fit.correlation_s);
   double chi2 = 0.0;
   double stretches = 0.0;
   for (std::size_t i = 0; i < tied_.size();) {
@@ -186,7 +210,7 @@ bool GnssAlignment::contradicts_track(const GraphView& view) const {
     double sigma2 = 0.0;
     double count = 0.0;
     for (; i < tied_.size() && tied_[i].time < end; ++i) {
-      if (reports_[tied_[i].report].verdict != FixVerdict::kAccepted) continue;
+      if (tied_[i].report.verdict != FixVerdict::kAccepted) continue;
       const EnuPair pair = pair_of(tied_[i], view);
       sum += (pair.p_enu - fit_->alignment.T_enu_map() * pair.p_map).head<2>();
       sigma2 += pair.sigma_m.x() * pair.sigma_m.x();
@@ -206,7 +230,7 @@ void GnssAlignment::choose_positions() {
   const double widening = std::sqrt(std::max(1.0, 2.0 * config_.fit.correlation_s / config_.position_period_s));
   std::optional<HostTime> last;
   for (const TiedFix& fix : tied_) {
-    if (reports_[fix.report].verdict != FixVerdict::kAccepted) continue;
+    if (fix.report.verdict != FixVerdict::kAccepted) continue;
     if (last && fix.time - *last < from_seconds(config_.position_period_s)) continue;
     last = fix.time;
     positions_.push_back(fix.position);
@@ -229,7 +253,7 @@ void GnssAlignment::weigh(std::span<const double> weights) {
   for (TiedFix& fix : tied_) {
     if (next == std::min(weights.size(), positions_.size())) return;
     if (fix.position.keyframe != positions_[next].keyframe || fix.position.p_enu != positions_[next].p_enu) continue;
-    if (weights[next] < kDoubtfulWeight) reports_[fix.report].verdict = FixVerdict::kInnovation;
+    if (weights[next] < kDoubtfulWeight) fix.report.verdict = FixVerdict::kInnovation;
     ++next;
   }
 }

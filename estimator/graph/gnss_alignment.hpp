@@ -39,18 +39,19 @@ class GnssAlignment final : public PositionSource {
   EnuOrigin origin() const override;
   void weigh(std::span<const double> weights) override;
 
-  /// One a fix, in order of arrival.
-  std::span<const FixReport> reports() const override { return reports_; }
+  std::vector<FixReport> reports() const override;
+  std::size_t bytes() const override;
   GnssLatency latency() const override;
   GnssTrust trust(HostTime now) const override { return latch_.trust(now); }
 
  private:
   struct Pending {
     GnssFix fix;
-    std::size_t report;
+    FixReport report;
   };
 
   bool is_usable(const GnssFix& fix, FixReport& report) const;
+  void refuse(const FixReport& report);
   void tie_pending();
   void tie_anew();
   EnuPair pair_of(const TiedFix& fix, const GraphView& view) const;
@@ -67,8 +68,10 @@ class GnssAlignment final : public PositionSource {
   GnssTrack track_;
   std::optional<LocalEnu> enu_;
   std::deque<Pending> pending_;         // younger than the newest keyframe
-  std::vector<Pending> fixes_;          // usable ones, for tying anew when the latency has changed
+  std::vector<Pending> fixes_;          // as they came, one of each of tied_: for tying anew when the latency has changed
   std::vector<TiedFix> tied_;
+  std::deque<FixReport> refused_;       // fixes that were never tied, the newest
+  std::uint64_t arrived_ = 0;
   std::size_t judged_ = 0;              // of tied_
   std::size_t fitted_ = 0;              // tied_ at the newest fit
   std::optional<EnuFit> fit_;
@@ -77,7 +80,6 @@ class GnssAlignment final : public PositionSource {
   double latency_s_ = 0.0;              // believed
   bool bends_ = false;                  // positions enter the graph
   std::vector<GnssPosition> positions_;
-  std::vector<FixReport> reports_;
 };
 
 }  // namespace slamd

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "estimator/graph/gnss_latency.hpp"
 #include "estimator/graph/gnss_trust.hpp"
@@ -37,6 +38,7 @@ enum class FixVerdict : std::uint8_t {
 };
 
 struct FixReport {
+  std::uint64_t number = 0;  // in order of arrival
   HostTime time;
   FixVerdict verdict = FixVerdict::kUntied;
   double chi2 = 0.0;         // of the horizontal innovation, 2 degrees of freedom; NaN where it did not come so far
@@ -67,8 +69,10 @@ class PositionSource {
   virtual GnssLatency latency() const = 0;
   /// now  the newest host time known
   virtual GnssTrust trust(HostTime now) const = 0;
-  /// One a fix, in order of arrival, with its verdict.
-  virtual std::span<const FixReport> reports() const = 0;
+  /// One a fix, in order of arrival, with its verdict; of those that were never between two keyframes the newest 100,000.
+  virtual std::vector<FixReport> reports() const = 0;
+  /// Of memory that grows with the drive.
+  virtual std::size_t bytes() const { return 0; }
 };
 
 }  // namespace slamd

@@ -14,7 +14,7 @@ namespace slamd {
 
 /// A fix between keyframes `keyframe` and `keyframe + 1`.
 struct TiedFix {
-  std::size_t report = 0;    // index of its FixReport
+  FixReport report;
   GnssPosition position;     // sigma_m as the driver said
   Eigen::Vector3d velocity_odom_mps = Eigen::Vector3d::Zero();       // of the antenna
   Eigen::Vector3d acceleration_odom_mps2 = Eigen::Vector3d::Zero();  // of the base
@@ -35,6 +35,8 @@ class GnssTrack {
   std::optional<std::size_t> keyframe_before(HostTime time) const;
   /// True when no keyframe younger than `time` has come yet.
   bool is_ahead(HostTime time) const { return knots_.empty() || knots_.back().time <= time; }
+
+  std::size_t bytes() const { return knots_.size() * sizeof(Knot); }
 
   /// Ties a fix with the given time and ENU position; null as T_keyframe_base.
   std::optional<TiedFix> tie(const GnssFix& fix, HostTime time, const Eigen::Vector3d& p_enu) const;

@@ -45,6 +45,13 @@ void LoopCloser::add(const Keyframe& keyframe) {
   clouds_.add(keyframe.points);
 }
 
+std::size_t LoopCloser::bytes() const {
+  const std::size_t a_keyframe = sizeof(double) + sizeof(std::vector<std::uint8_t>);
+  const std::size_t agreements = passed_.size() * passed_.size() / 8;
+  return clouds_.size() * a_keyframe + places_.size() * (sizeof(std::size_t) + sizeof(PlaceDescriptor)) +
+         passed_.size() * (sizeof(Passed) + sizeof(LoopClosure)) + agreements + reports_.size() * sizeof(LoopCandidateReport);
+}
+
 bool LoopCloser::update(const GraphView& view) {
   const std::vector<std::size_t> before = believed_;
   const std::size_t size = std::min({clouds_.size(), view.keyframes.size(), view.odometry.size()});

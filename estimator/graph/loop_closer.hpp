@@ -24,6 +24,7 @@ class LoopCloser final : public LoopSource {
   std::optional<Recognition> recognise(const GraphView& view, const PieceView& piece,
                                        const std::optional<Pose>& T_map_guess) const override;
   std::size_t forgotten() const override { return clouds_.forgotten(); }
+  std::size_t bytes() const override;
 
   enum class Guess { kByOdometry, kSamePlace };
 

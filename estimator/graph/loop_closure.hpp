@@ -81,6 +81,8 @@ class LoopSource {
   }
   /// So many of the oldest keyframes no loop can be closed with any more.
   virtual std::size_t forgotten() const { return 0; }
+  /// Of memory that grows with the drive; what has a budget of its own is not in it.
+  virtual std::size_t bytes() const { return 0; }
   /// One a candidate, in order of `to`, with its newest verdict.
   virtual std::span<const LoopCandidateReport> reports() const = 0;
 };

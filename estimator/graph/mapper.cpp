@@ -7,6 +7,8 @@ namespace slamd {
 namespace {
 
 constexpr double kLeastGrowth = 50.0;  // keyframes
+// Three copies of the estimates (here, published, the one before), the chain, the graph, and Ceres' problem while it solves.
+constexpr std::size_t kBytesAKeyframe = 3 * sizeof(KeyframeEstimate) + 1024 + 4096;
 
 bool is_usable(const Keyframe& keyframe) {
   const Pose& T = keyframe.state.T_odom_base;
@@ -20,6 +22,10 @@ Mapper::Mapper(const MapperConfig& config, std::unique_ptr<LoopSource> loops, st
     : config_{config}, loops_{std::move(loops)}, positions_{std::move(positions)}, graph_{config.graph} {}
 
 void Mapper::add(const Keyframe& keyframe) {
+  if (bytes() >= config_.byte_budget) {
+    ++left_out_;
+    return;
+  }
   if (keyframe.id != keyframes_.size() || !is_usable(keyframe)) {
     ++rejected_;
     return;
@@ -32,7 +38,11 @@ void Mapper::add(const Keyframe& keyframe) {
 }
 
 void Mapper::add(const GnssFix& fix) {
-  if (positions_) positions_->add(fix);
+  if (positions_ && bytes() < config_.byte_budget) positions_->add(fix);
+}
+
+std::size_t Mapper::bytes() const {
+  return keyframes_.size() * kBytesAKeyframe + (loops_ ? loops_->bytes() : 0) + (positions_ ? positions_->bytes() : 0);
 }
 
 bool Mapper::solve(const Cancelled& cancelled) {
@@ -100,8 +110,8 @@ void Mapper::publish(const MapGraphSolve& solve) {
   solution_ = std::move(next);
 }
 
-std::span<const FixReport> Mapper::fix_reports() const {
-  return positions_ ? positions_->reports() : std::span<const FixReport>{};
+std::vector<FixReport> Mapper::fix_reports() const {
+  return positions_ ? positions_->reports() : std::vector<FixReport>{};
 }
 
 std::span<const LoopCandidateReport> Mapper::loop_reports() const {

@@ -19,6 +19,9 @@ struct MapperConfig {
   int max_iterations = 30;     // of one solve
   double closure_growth = 0.01;  // the drive grows by this share between two solves that closures or GPS ask for
   double resolve_growth = 0.1;   // and by this one when only gravity does
+  // Of all that grows with the drive but points: beyond it no keyframe and no fix is taken in any more, and later poses move
+  // with the last one that was.
+  std::size_t byte_budget = 512U * 1024 * 1024;
 };
 
 class Mapper {
@@ -26,7 +29,7 @@ class Mapper {
   /// loops, positions  may be null: then there is none of that kind
   Mapper(const MapperConfig& config, std::unique_ptr<LoopSource> loops, std::unique_ptr<PositionSource> positions);
 
-  /// Ids count from 0 without gaps; one that does not is ignored and counted. Bounded time, whatever the drive's length.
+  /// Ids count from 0 without gaps; one that does not is ignored and counted, as is all beyond the byte budget. Bounded time, whatever the drive's length.
   void add(const Keyframe& keyframe);
   void add(const GnssFix& fix);
 
@@ -54,13 +57,19 @@ class Mapper {
 
   /// Every candidate of the search for loops so far; empty without one.
   std::span<const LoopCandidateReport> loop_reports() const;
-  /// Every fix so far; empty without GPS.
-  std::span<const FixReport> fix_reports() const;
+  /// As PositionSource::reports; empty without GPS.
+  std::vector<FixReport> fix_reports() const;
   /// Keyframes that no loop can be closed with any more: their points were forgotten for the byte budget.
   std::size_t forgotten_clouds() const { return loops_ ? loops_->forgotten() : 0; }
   /// The side of GPS; null without.
   const PositionSource* positions() const { return positions_.get(); }
   std::uint64_t rejected_keyframes() const { return rejected_; }
+
+  /// Estimate of what config.byte_budget bounds, the solver's share while it works included.
+  std::size_t bytes() const;
+  std::size_t byte_budget() const { return config_.byte_budget; }
+  /// Keyframes not taken in for the budget: more than none, and the map is corrected no further.
+  std::uint64_t left_out_keyframes() const { return left_out_; }
 
  private:
   bool ask_sources();
@@ -78,6 +87,7 @@ class Mapper {
   std::shared_ptr<const GraphSolution> solution_ = std::make_shared<GraphSolution>();
   bool pending_ = false;  // something asked for a solve that did not end yet
   std::uint64_t rejected_ = 0;
+  std::uint64_t left_out_ = 0;
 };
 
 }  // namespace slamd

@@ -115,7 +115,7 @@ void Relocaliser::join(const Found& place) {
 
 Relocaliser::Entered Relocaliser::enter_waiting() {
   for (Keyframe& keyframe : waiting_) {
-    keyframe.id = mapper_.keyframes().size();
+    keyframe.id = mapper_.keyframes().size() + mapper_.left_out_keyframes();
     keyframe.state.T_odom_base = links_.back().T_chain_odom * keyframe.state.T_odom_base;
     keyframe.state.velocity_mps = links_.back().T_chain_odom.rotation * keyframe.state.velocity_mps;
     mapper_.add(keyframe);

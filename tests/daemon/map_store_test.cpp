@@ -72,6 +72,20 @@ TEST(MapStore, GivesOnlyWhatLiesInTheBox) {
   for (const CloudPoint& point : found) ASSERT_TRUE(point.x >= 0 && point.y >= 0);
 }
 
+TEST(MapStore, AMapGoneThroughInSharesOfItsVoxelsLosesNothing) {
+  MapStore store{{.voxel_size_m = 0.2, .shared_keyframes = 1}};
+  for (std::uint64_t id = 0; id < 21; ++id) store.add(keyframe_with(id, random_points(100'000, 7)));
+  ASSERT_GT(store.counts().points, 2'050'000U) << "more than one pass holds";
+  const MapSnapshot whole = store.snapshot({});
+  EXPECT_EQ(whole.keyframes, 21U);
+  EXPECT_NEAR(static_cast<double>(whole.size()), static_cast<double>(store.counts().points) / 21.0, 10.0)
+      << "each keyframe has the same voxels";
+  MapQuery half;
+  half.max_points = whole.size() / 2;
+  EXPECT_EQ(store.snapshot(half).size(), half.max_points);
+  EXPECT_TRUE(store.snapshot(half).truncated);
+}
+
 TEST(MapStore, StopsAtMaxPointsAndSaysSo) {
   MapStore store;
   store.add(keyframe_with(0, random_points(5000, 4)));

@@ -59,6 +59,21 @@ TEST(SensorEvidence, TheBackEndSaysWhatItThinksOfTheReceiver) {
   EXPECT_FALSE(evidence(report, std::nullopt).good_at);
 }
 
+TEST(Supervisor, ABudgetIsToldOnceItIsReached) {
+  std::vector<std::string> lines;
+  Supervisor supervisor{std::chrono::seconds{10}, [&](LogLevel, const std::string& line) { lines.push_back(line); }};
+  std::uint64_t forgotten = 0;
+  supervisor.watch_budget({"map", "without the oldest", [&] { return forgotten; }});
+  supervisor.look(at_s(1));
+  EXPECT_TRUE(lines.empty());
+  for (const double s : {2.0, 3.0, 30.0}) {
+    forgotten += 5;
+    supervisor.look(at_s(s));
+  }
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0], "budget_map state=reached, continuing without the oldest: keyframes=5");
+}
+
 TEST(Supervisor, ThePoseIsToldWithItsReasonsByName) {
   PoseSample sample;
   sample.status = static_cast<std::uint32_t>(TrackingStatus::kDegraded);

@@ -143,6 +143,22 @@ TEST(GnssAlignment, FindsYawAndShiftFromMotionAndLeavesAGoodTrackAlone) {
   }
 }
 
+TEST(GnssAlignment, AParkedVehicleDoesNotFillTheMemory) {
+  Outcome outcome;
+  drive({.seconds = 30.0}, 1, outcome);
+  GnssFix fix;
+  fix.quality = GnssQuality::kNone;
+  const auto park = [&](int fixes) {
+    for (int i = 0; i < fixes; ++i) outcome.alignment.add(fix);
+    return outcome.alignment.bytes();
+  };
+  const std::size_t full = park(110'000);
+  EXPECT_EQ(park(50'000), full);
+  const std::vector<FixReport> reports = outcome.alignment.reports();
+  EXPECT_EQ(reports.back().number, 160'000U + 28U);
+  EXPECT_TRUE(std::ranges::is_sorted(reports, {}, &FixReport::number));
+}
+
 TEST(GnssAlignment, ItsCovarianceCoversItsError) {
   double nees = 0.0;
   constexpr int kRuns = 20;

@@ -57,6 +57,28 @@ TEST(Mapper, WithoutClosuresTheMapIsTheOdometry) {
   }
 }
 
+TEST(Mapper, BeyondTheByteBudgetNothingIsTakenInAndPosesMoveWithTheLastKeyframe) {
+  const GraphDrive drive{{.keyframes = 200}};
+  auto loops = std::make_unique<ScriptedLoops>();
+  ScriptedLoops* scripted = loops.get();
+  MapperConfig config;
+  config.byte_budget = 120 * 6'000;
+  Mapper mapper{config, std::move(loops), nullptr};
+  for (const Keyframe& keyframe : drive.keyframes) mapper.add(keyframe);
+  const std::size_t kept = mapper.keyframes().size();
+  EXPECT_GT(kept, 110U);
+  EXPECT_LT(kept, 190U);
+  EXPECT_EQ(mapper.left_out_keyframes(), drive.keyframes.size() - kept);
+  EXPECT_LT(mapper.bytes(), mapper.byte_budget() + 6'000);
+  scripted->now.push_back(drive.closure(0, 100));
+  ASSERT_TRUE(mapper.finish());
+  const auto solution = mapper.solution();
+  EXPECT_EQ(solution->keyframes.size(), kept);
+  const Keyframe& newest = drive.keyframes.back();
+  const Pose T_map_base = solution->T_map_odom * newest.state.T_odom_base;
+  EXPECT_LT(boxminus(corrected_pose(*solution, newest.state.time, newest.state.T_odom_base), T_map_base).norm(), 1e-9);
+}
+
 TEST(Mapper, GravityAloneDoesNotBendOdometry) {
   const GraphDrive drive{{}};
   Rig rig{drive};

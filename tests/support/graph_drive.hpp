@@ -104,7 +104,7 @@ struct ScriptedPositions : PositionSource {
   EnuOrigin origin() const override { return {50.0, 8.0, 100.0}; }
   GnssLatency latency() const override { return {}; }
   GnssTrust trust(HostTime) const override { return GnssTrust::kTrusted; }
-  std::span<const FixReport> reports() const override { return {}; }
+  std::vector<FixReport> reports() const override { return {}; }
   void weigh(std::span<const double> w) override { weights.assign(w.begin(), w.end()); }
 };
 

@@ -47,6 +47,19 @@ std::string section(const char* title, const json& entries, Line line) {
   return text;
 }
 
+/// Lines about what the back end had no more room for; none as long as all has.
+std::string back_end_budgets(const json& back_end) {
+  std::string text;
+  if (number(back_end, "forgotten_clouds") > 0.0) {
+    text += format("loops: BUDGET reached, none is closed with the oldest %.0f keyframes\n", number(back_end, "forgotten_clouds"));
+  }
+  if (back_end.value("budget_reached", false)) {
+    text += format("graph: BUDGET of %.0f MB reached, odometry alone carries on (%.0f keyframes left out)\n",
+                   number(back_end, "byte_budget") / 1e6, number(back_end, "left_out_keyframes"));
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string format(const char* pattern, ...) {
@@ -96,6 +109,7 @@ std::string status_text(const json& status) {
     text += format("map: BUDGET of %.0f MB reached, the oldest %.0f keyframes are forgotten\n",
                    number(map, "byte_budget") / 1e6, number(map, "evicted_keyframes"));
   }
+  text += back_end_budgets(health.value("back_end", json::object()));
   return text;
 }
 
