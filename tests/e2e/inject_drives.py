@@ -132,7 +132,8 @@ def row(outcome):
 
     state, reason = outcome.state()
     sensor = {"gnss": "GPS", "imu": "IMU", "lidar": "LiDAR"}[outcome.sensor]
-    return (f"| {sensor} | {outcome.verb} | {state} ({reason}) | {outcome.status()} | "
+    what = f"{sensor} | {outcome.verb}" if outcome.verb != "none" else "- | no failure"
+    return (f"| {what} | {state} ({reason}) | {outcome.status()} | "
             f"{', '.join(sorted(outcome.reasons())) or '-'} | {outcome.worst_m():.2f} | {outcome.last_m():.2f} | "
             f"{outcome.last_m('map'):.2f} | {outcome.sigma_m():.2f} | {seconds(outcome.tracking_again_s())} | "
             f"{seconds(outcome.healthy_again_s())} |")
