@@ -21,6 +21,7 @@ constexpr double kLeastSigma_m = 1e-4;
 constexpr double kLeastSigma_rad = 1e-5;
 // Closures no more keyframes apart than this, at both ends, share most of their sub-maps.
 constexpr std::uint64_t kNeighbours = 8;
+constexpr double kTightening = 4.0;  // of the closures' loss from one pass to the next
 
 Matrix6d information_of(const Matrix6d& covariance) {
   Matrix6d floored = covariance;
@@ -51,7 +52,8 @@ Matrix6d anchor_whitening() {
 class MapGraph::Problem {
  public:
   Problem(const MapGraph& graph, const GraphConstraints& constraints)
-      : closure_loss_{graph.config_.closure_phi},
+      : closure_phi_{graph.config_.closure_phi},
+        closure_loss_{graph.config_.closure_phi},
         position_loss_{graph.config_.position_phi},
         variables_{graph.poses_, std::vector<bool>(graph.poses_.size(), false)} {
     add_chain(graph);
@@ -69,6 +71,20 @@ class MapGraph::Problem {
   }
 
   ceres::Problem& ceres() { return variables_.problem(); }
+
+  /// A right closure at the end of a long drift begins with a large error, and its loss would give it up for that. So all
+  /// count fully at first, and the loss tightens as the graph gives way (Yang et al. 2020, graduated non-convexity).
+  SolveOutcome solve(const SolveLimits& limits) {
+    int iterations = 0;
+    for (double phi = std::max(closure_phi_, worst_closure());;) {
+      closure_loss_.set_phi(phi);
+      SolveOutcome outcome = minimise(ceres(), limits);
+      outcome.iterations = iterations += outcome.iterations;
+      if (phi <= closure_phi_ || !outcome.usable || outcome.cancelled) return outcome;
+      phi = std::max(closure_phi_, std::min(phi / kTightening, worst_closure()));
+    }
+  }
+
   void copy_to(std::vector<Pose>& poses) const { variables_.copy_to(poses); }
   std::vector<double> closure_weights() { return weights(closures_, closure_loss_); }
   std::vector<double> position_weights() { return weights(positions_, position_loss_); }
@@ -92,16 +108,25 @@ class MapGraph::Problem {
     }
   }
 
+  double chi2(ceres::ResidualBlockId id) {
+    double cost = 0.0;
+    ceres().EvaluateResidualBlock(id, false, &cost, nullptr, nullptr);
+    return 2.0 * cost;
+  }
+
+  double worst_closure() {
+    double worst = 0.0;
+    for (const ceres::ResidualBlockId id : closures_) worst = std::max(worst, chi2(id));
+    return worst;
+  }
+
   std::vector<double> weights(const std::vector<ceres::ResidualBlockId>& ids, const DcsLoss& loss) {
     std::vector<double> weights;
-    for (const ceres::ResidualBlockId id : ids) {
-      double cost = 0.0;
-      ceres().EvaluateResidualBlock(id, false, &cost, nullptr, nullptr);
-      weights.push_back(loss.weight(2.0 * cost));
-    }
+    for (const ceres::ResidualBlockId id : ids) weights.push_back(loss.weight(chi2(id)));
     return weights;
   }
 
+  double closure_phi_;
   DcsLoss closure_loss_, position_loss_;
   GraphProblem<GroupSe3> variables_;
   std::array<double, EnuBlock::kSize> enu_{};
@@ -128,7 +153,7 @@ MapGraphSolve MapGraph::solve(const GraphConstraints& constraints, const SolveLi
   MapGraphSolve solve;
   if (poses_.empty()) return solve;
   Problem problem{*this, constraints};
-  solve.outcome = minimise(problem.ceres(), limits);
+  solve.outcome = problem.solve(limits);
   if (!solve.outcome.usable) return solve;
   problem.copy_to(poses_);
   solve.closure_weights = problem.closure_weights();

@@ -11,6 +11,8 @@ namespace slamd {
 class DcsLoss final : public ceres::LossFunction {
  public:
   explicit DcsLoss(double phi) : phi_{phi} {}
+  /// Between two solves only.
+  void set_phi(double phi) { phi_ = phi; }
   void Evaluate(double s, double rho[3]) const override;
 
   /// The weight of a squared error: rho'(s), 0..1.

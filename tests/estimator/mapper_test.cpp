@@ -57,6 +57,18 @@ TEST(Mapper, WithoutClosuresTheMapIsTheOdometry) {
   }
 }
 
+TEST(Mapper, ARightClosureAfterALongDriftIsBelieved) {
+  const GraphDrive drive{{.keyframes = 301, .keyframes_a_lap = 300, .sigma_m = 0.03, .sigma_rad = 0.003, .seed = 4}};
+  Rig rig{drive};
+  const double open = test::rmse(rig.mapper->keyframes(), drive.truth);
+  ASSERT_GT(open, 1.0);  // fifty sigma of the closure
+  rig.loops->now.push_back(drive.closure(0, 300));
+  rig.loops->changed = true;
+  ASSERT_TRUE(rig.mapper->finish());
+  EXPECT_GT(rig.loops->weights.at(0), 0.9);
+  EXPECT_LT(test::rmse(rig.mapper->solution()->keyframes, drive.truth), 0.7 * open);
+}
+
 TEST(Mapper, BeyondTheByteBudgetNothingIsTakenInAndPosesMoveWithTheLastKeyframe) {
   const GraphDrive drive{{.keyframes = 200}};
   auto loops = std::make_unique<ScriptedLoops>();
