@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <random>
 
@@ -81,6 +82,52 @@ TEST(Gnc, ACleanGraphKeepsEveryLoop) {
   anchor_parts(graph);
   const RobustOutcome outcome = solve_robustly(graph, loops_of(graph), {}, {});
   for (const double weight : outcome.weights) EXPECT_EQ(weight, 1.0);
+}
+
+constexpr std::size_t kLap = 300;
+
+/// Two laps with noisy odometry, and loops from the first to the second that are too far from each other to confirm one
+/// another: all that holds the second lap on the first.
+PoseGraph<GroupSe2> two_laps(const std::vector<std::size_t>& loops_at, std::uint64_t seed) {
+  std::mt19937_64 random{seed};
+  std::normal_distribution<> normal;
+  const auto edge = [&](std::size_t from, std::size_t to, const PlanarPose& truth, double sigma_m, double sigma_rad) {
+    const GroupSe2::Tangent sigma{sigma_m, sigma_m, sigma_rad};
+    const GroupSe2::Tangent noise{normal(random), normal(random), normal(random)};
+    return Edge<GroupSe2>{from, to, GroupSe2::plus(truth, sigma.cwiseProduct(noise)),
+                          GroupSe2::Matrix{sigma.cwiseAbs2().cwiseInverse().asDiagonal()}};
+  };
+  PoseGraph<GroupSe2> graph;
+  const PlanarPose step{{1.0, 0.0}, 2.0 * M_PI / static_cast<double>(kLap)};
+  graph.poses.resize(2 * kLap);
+  graph.fixed.assign(graph.poses.size(), false);
+  for (std::size_t i = 1; i < graph.poses.size(); ++i) graph.edges.push_back(edge(i - 1, i, step, 0.02, 0.001));
+  for (const std::size_t at : loops_at) graph.edges.push_back(edge(at, at + kLap, {}, 0.05, 0.005));
+  anchor_parts(graph);
+  return graph;
+}
+
+TEST(Gnc, RightLoopsThatNoOtherConfirmsAreKept) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    PoseGraph<GroupSe2> graph = two_laps({30, 130, 230}, seed);
+    const RobustOutcome outcome = solve_robustly(graph, loops_of(graph), {}, {});
+    ASSERT_EQ(outcome.weights.size(), graph.edges.size());
+    for (const double weight : outcome.weights) EXPECT_EQ(weight, 1.0) << seed;
+  }
+}
+
+TEST(Gnc, AWrongLoopAmongThemIsDroppedAlone) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    PoseGraph<GroupSe2> graph = two_laps({30, 80, 130, 180, 230}, seed);
+    Edge<GroupSe2> wrong = graph.edges.back();
+    wrong.from = 60;
+    wrong.to = 60 + kLap + kLap / 2;  // across the circle
+    graph.edges.push_back(wrong);
+    const RobustOutcome outcome = solve_robustly(graph, loops_of(graph), {}, {});
+    ASSERT_EQ(outcome.weights.size(), graph.edges.size());
+    EXPECT_EQ(outcome.weights.back(), 0.0) << seed;
+    EXPECT_EQ(std::ranges::count(outcome.weights, 0.0), 1) << seed;
+  }
 }
 
 TEST(Gnc, QuantilesOfChi2AreThoseOfTables) {
