@@ -62,13 +62,14 @@ const SensorCondition& SensorMonitor::look(const SensorEvidence& evidence, HostT
   failing_s_ = is_hard(defect) ? failing_s_ + elapsed_s : std::max(0.0, failing_s_ - kLeak * elapsed_s);
 
   const SensorState state = next_state(defect, now);
-  if (state != condition_.state) {
+  const bool changed = state != condition_.state;
+  if (changed) {
     condition_.since = now;
     if (state == SensorState::kFaulty) ++condition_.times_faulty;
   }
   if (state != SensorState::kDegraded && state != SensorState::kStarting) failing_s_ = 0.0;
   condition_.state = state;
-  const bool told = state == SensorState::kFaulty ? is_hard(defect) : defect != SensorDefect::kNone;
+  const bool told = state == SensorState::kFaulty ? changed : defect != SensorDefect::kNone;
   if (told || state == SensorState::kHealthy) condition_.defect = defect;
   return condition_;
 }

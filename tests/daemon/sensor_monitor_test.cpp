@@ -93,7 +93,10 @@ TEST(SensorMonitor, SilenceIsFirstDegradedThenFaultyAndHealthyOnlyAfterACleanPer
   EXPECT_NEAR(sensor.pass_until(SensorState::kFaulty), kPatience.faulty_s, 0.15);
   sensor.pass(20.0);
   sensor.sends = true;
-  sensor.pass(2.0);
+  sensor.evidence.use = Use::kRefused;  // the estimator has not heard of it yet
+  sensor.pass(0.2);
+  sensor.evidence.use = Use::kUsed;
+  sensor.pass(1.8);
   EXPECT_EQ(sensor.told(), "faulty silent") << "what made it faulty, until it is clean";
   EXPECT_LT(sensor.pass_until(SensorState::kHealthy), kPatience.clean_s);
   EXPECT_EQ(sensor.condition.times_faulty, 1U);
