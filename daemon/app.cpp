@@ -1,5 +1,7 @@
 #include "daemon/app.hpp"
 
+#include <array>
+#include <ctime>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -7,6 +9,19 @@
 #include "daemon/threads/source_health.hpp"
 
 namespace slamd {
+namespace {
+
+/// The present in UTC, as a part of a file's name.
+std::string utc_name() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  std::array<char, 32> text;
+  const std::size_t size = std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%SZ", &utc);
+  return {text.data(), size};
+}
+
+}  // namespace
 
 Result<std::unique_ptr<App>> App::open(const Config& config, const std::string& version,
                                        const std::string& record_folder, UniqueFd kept_page) {
@@ -18,11 +33,35 @@ Result<std::unique_ptr<App>> App::open(const Config& config, const std::string& 
   if (!lidar) return Error{lidar.reason()};
   std::unique_ptr<App> app{
       new App{config, version, std::move(publisher).value(), std::move(streams), std::move(lidar).value()}};
-  if (record_folder.empty()) return app;
-  Result<std::unique_ptr<Recorder>> recorder = Recorder::open(record_folder, print_config(config));
+  app->resume();
+  Result<std::unique_ptr<Recorder>> recorder = Recorder::open(record_folder, print_config(config), config.flight_recorder);
   if (!recorder) return Error{recorder.reason()};
   app->record(std::move(recorder).value());
   return app;
+}
+
+/// Takes over the map of the daemon before this one; whether the vehicle is still in it is for the first scans to say.
+void App::resume() {
+  mapping_.keep_checkpoints(checkpoints_);
+  const std::string path = config_.checkpoint.path();
+  if (path.empty()) return;
+  supervisor_.watch_source("checkpoint", [this] {
+    const CheckpointReport report = checkpoints_.report();
+    SourceHealth health;
+    health.state = report.state == "failed" ? "failed" : "healthy";
+    health.reason = report.reason;
+    return health;
+  });
+  Result<StoredMap> map = load_checkpoint(path, config_.vehicle);
+  if (!map) {
+    log_.write(LogLevel::kWarning, std::string{"checkpoint state=refused, the map begins anew: reason=\""} + map.reason() + '"');
+    return;
+  }
+  const std::size_t keyframes = map->keyframes.size();
+  if (keyframes == 0) return log_.write(LogLevel::kInfo, "checkpoint state=none, the map begins anew");
+  log_.write(LogLevel::kInfo, "checkpoint state=read keyframes=" + std::to_string(keyframes));
+  imu_.begin_at(map->T_map_base);
+  mapping_.restore(std::move(map).value(), config_.back_end.loops.clouds.grid);
 }
 
 void App::record(std::unique_ptr<Recorder> recorder) {
@@ -34,6 +73,9 @@ void App::record(std::unique_ptr<Recorder> recorder) {
   add_ring("record_lidar", [this] { return recorder_->lidar().counts(); });
   add_ring("record_imu", [this] { return recorder_->imu().counts(); });
   add_ring("record_gnss", [this] { return recorder_->gnss().counts(); });
+  health_.add_object("flight_recorder", [this] {
+    return nlohmann::json{{"bytes", recorder_->kept_bytes()}, {"dumps", recorder_->dumps()}, {"failed_dumps", recorder_->failed_dumps()}};
+  });
   supervisor_.watch_source("recording", [this] {
     SourceHealth health;
     health.state = recorder_->failed() ? "failed" : "healthy";
@@ -54,12 +96,16 @@ App::App(const Config& config, const std::string& version, PosePublisher publish
            publisher_},
       gnss_{config.gnss, config.nmea, *streams_},
       estimator_{config.estimator, config.vehicle, config.odometry, *streams_},
+      checkpoints_{config.checkpoint, config.vehicle},
       mapping_{make_relocaliser(config.back_end, config.vehicle), *streams_, map_, trajectory_},
       health_{host_now()},
       supervisor_{config.log.repeat_period,
                   [this](LogLevel level, const std::string& line) { log_.write(level, line); }},
       server_{config.server,
-              {publisher_, map_, trajectory_, health_, config.health.allow_inject ? &streams_->faults : nullptr},
+              {publisher_, map_, trajectory_, health_, config.health.allow_inject ? &streams_->faults : nullptr,
+               [this](const std::string& name) {
+                 return recorder_->dump(name.empty() ? "dump-" + utc_name() : name, "asked for by a client");
+               }},
               version} {
   register_probes();
   if (config.health.allow_inject) allow_faults();
@@ -74,7 +120,8 @@ Result<void> App::start(UniqueFd listening) {
     if (limit) cpu_latency_ = std::move(limit).value();
     else refusals.insert(limit.reason());
   }
-  if (recorder_) start_thread({"slamd-recorder"}, *recorder_);
+  start_thread({"slamd-recorder"}, *recorder_);
+  start_thread({"slamd-checkpoint"}, checkpoints_);
   start_thread({"slamd-mapping"}, mapping_);
   start_thread({"slamd-estimator", rt.estimator_priority, rt.estimator_cpu}, estimator_);
   start_thread({"slamd-gnss", rt.gnss_priority, rt.driver_cpu}, gnss_);
@@ -88,12 +135,37 @@ Result<void> App::start(UniqueFd listening) {
 
 bool App::supervise() {
   supervisor_.look(host_now());
+  tell_map_events();
+  dump_when_lost(host_now());
   for (const auto& worker : workers_) {
     if (!worker->failed()) continue;
     log_.write(LogLevel::kError, std::string{"thread state=failed name="} + worker->name());
     return false;
   }
   return true;
+}
+
+/// Once in the span that a dump holds: one that follows sooner has the same in it.
+void App::dump_when_lost(HostTime now) {
+  const std::optional<PoseSample> newest = publisher_.newest();
+  const bool lost = newest && newest->status == static_cast<std::uint32_t>(TrackingStatus::kLost);
+  const bool fell = lost && !std::exchange(was_lost_, lost);
+  was_lost_ = lost;
+  if (!fell || (dumped_at_ != HostTime{} && now - dumped_at_ < config_.flight_recorder.span)) return;
+  dumped_at_ = now;
+  const std::string name = "lost-" + utc_name();
+  recorder_->request_dump(name, "the status fell to LOST");
+  log_.write(LogLevel::kWarning, "flight_recorder state=dumping name=" + name);
+}
+
+/// Rare and for good, so each has a line of its own.
+void App::tell_map_events() {
+  const RelocaliserCounts now = mapping_.state().relocalisation;
+  if (now.relocalised != told_map_events_.relocalised) log_.write(LogLevel::kInfo, "map state=relocalised");
+  if (now.begun_anew != told_map_events_.begun_anew) {
+    log_.write(LogLevel::kWarning, "map state=begun_anew, continuing: the place was not recognised, the map of before is gone");
+  }
+  told_map_events_ = now;
 }
 
 std::vector<std::string> App::reload(const Config& wanted) {
@@ -153,6 +225,7 @@ void App::register_probes() {
   health_.add_count("keyframes", [this] { return estimator_.keyframes(); });
   health_.add_count("gnss_fixes", [this] { return mapping_.fixes(); });
   health_.add_object("back_end", [this] { return to_json(mapping_.state()); });
+  health_.add_object("checkpoint", [this] { return to_json(checkpoints_.report()); });
   health_.add_count("log_lines_lost", [this] { return log_.lost(); });
   supervisor_.watch_pose([this] { return publisher_.newest(); });
   watch_budgets();

@@ -62,6 +62,9 @@ class App {
   void start_thread(const ThreadSchedule& schedule, Part& part);
   void tell_refusals(std::set<std::string> reasons);
   void record(std::unique_ptr<Recorder> recorder);
+  void resume();
+  void tell_map_events();
+  void dump_when_lost(HostTime now);
   void register_probes();
   void register_sensors();
   void allow_faults();
@@ -79,11 +82,15 @@ class App {
   LidarThread lidar_;
   ImuThread imu_;
   GnssThread gnss_;
-  std::unique_ptr<Recorder> recorder_;  // null: no recording
+  std::unique_ptr<Recorder> recorder_;
   EstimatorThread estimator_;
+  CheckpointThread checkpoints_;
   MappingThread mapping_;
   HealthBoard health_;
   Supervisor supervisor_;
+  RelocaliserCounts told_map_events_;
+  bool was_lost_ = false;
+  HostTime dumped_at_;
   Server server_;
   std::vector<std::unique_ptr<Worker>> workers_;  // in order of their start
 };

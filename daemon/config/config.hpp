@@ -9,12 +9,14 @@
 #include "daemon/health/health_config.hpp"
 #include "daemon/server/server.hpp"
 #include "daemon/store/map_store.hpp"
+#include "daemon/threads/checkpoint_thread.hpp"
 #include "daemon/threads/estimator_thread.hpp"
 #include "daemon/threads/gnss_thread.hpp"
 #include "daemon/threads/imu_thread.hpp"
 #include "daemon/threads/lidar_thread.hpp"
 #include "daemon/threads/log.hpp"
 #include "daemon/threads/real_time.hpp"
+#include "daemon/threads/recorder.hpp"
 #include "drivers/gnss/nmea_parser.hpp"
 #include "drivers/imu/imu_frame_parser.hpp"
 #include "drivers/velodyne/vlp16_decoder.hpp"
@@ -39,6 +41,8 @@ struct Config {
   EstimatorThreadConfig estimator;
   BackEndConfig back_end;
   MapStoreConfig map;
+  CheckpointConfig checkpoint;
+  FlightRecorderConfig flight_recorder;
   ServerConfig server;
   HealthConfig health;
   RealTimeConfig real_time;

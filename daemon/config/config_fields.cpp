@@ -148,6 +148,26 @@ Fields map_fields(MapStoreConfig& c) {
   };
 }
 
+Fields checkpoint_fields(CheckpointConfig& c) {
+  return {
+      {"checkpoint.folder", &c.folder, "", kAnyText,
+       "where the map is kept over a restart; empty = systemd's state directory, without systemd it is not kept"},
+      {"checkpoint.period_s", &c.period, "s", {1, 3600}, "between two of them, while the map grows"},
+      {"checkpoint.byte_budget", &c.byte_budget, "B", {1 << 16, 1 << 28},
+       "of the newest keyframes' points; older ones are not kept over a restart"},
+  };
+}
+
+Fields flight_recorder_fields(FlightRecorderConfig& c) {
+  return {
+      {"flight_recorder.span_s", &c.span, "s", {0, 600}, "of the sensors' bytes kept in memory for a dump; 0 = none"},
+      {"flight_recorder.byte_budget", &c.byte_budget, "B", {1 << 23, 1 << 30}, "of them; beyond it the oldest are forgotten"},
+      {"flight_recorder.folder", &c.folder, "", kAnyText,
+       "where dumps go; empty = dumps in systemd's state directory, without systemd there are none"},
+      {"flight_recorder.max_dumps", &c.max_dumps, "", {0, 10'000}, "more are not written until old ones are taken away"},
+  };
+}
+
 Fields estimator_thread_fields(EstimatorThreadConfig& c) {
   return {
       {"estimator.hold_back_s",
@@ -217,6 +237,8 @@ Fields config_fields(Config& c) {
   append(fields, estimator_thread_fields(c.estimator));
   append(fields, back_end_fields(c.back_end));
   append(fields, map_fields(c.map));
+  append(fields, checkpoint_fields(c.checkpoint));
+  append(fields, flight_recorder_fields(c.flight_recorder));
   append(fields, server_fields(c.server));
   append(fields, health_fields(c.health));
   append(fields, real_time_fields(c.real_time));

@@ -38,7 +38,7 @@ struct Methods::Entry {
 };
 
 std::span<const Methods::Entry> Methods::entries() {
-  static constexpr std::array<Entry, 10> kEntries{{
+  static constexpr std::array<Entry, 11> kEntries{{
       {method::kGetPose, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.pose(params); }},
       {method::kVersion, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.version(params); }},
       {method::kGetStatus, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.tell_status(params); }},
@@ -49,6 +49,7 @@ std::span<const Methods::Entry> Methods::entries() {
       {method::kGetTrajectory, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.trajectory(params); }},
       {method::kSaveMap, Right::kControl, [](Methods& self, Params& params, Subscriptions&) { return self.save_map(params); }},
       {method::kInject, Right::kControl, [](Methods& self, Params& params, Subscriptions&) { return self.inject(params); }},
+      {method::kDump, Right::kControl, [](Methods& self, Params& params, Subscriptions&) { return self.dump(params); }},
   }};
   return kEntries;
 }
@@ -203,6 +204,17 @@ Methods::Handled Methods::trajectory(Params& params) const {
   json rows = json::array();
   for (const StampedPose& pose : sources_.trajectory.snapshot(max_poses)) rows.push_back(pose_row(pose));
   return Reply{{{"format", "json"}, {"frame", "odom"}, {"stride", sources_.trajectory.stride()}, {"poses", rows}}, {}};
+}
+
+Methods::Handled Methods::dump(Params& params) const {
+  const std::string folder_name = params.text("name", "");
+  if (auto fault = params.fault()) return *std::move(fault);
+  if (!sources_.dump) return RpcError{error::kRefused, "there is no flight recorder"};
+  return Job{[write = sources_.dump, folder_name](const JobProgress&) -> Outcome {
+    const Result<std::string> path = write(folder_name);
+    if (!path) return RpcError{error::kWriteFailed, path.reason()};
+    return Reply{{{"path", *path}}, {}};
+  }};
 }
 
 }  // namespace slamd

@@ -66,6 +66,7 @@ class Methods {
   Handled save_map(Params& params) const;
   Handled trajectory(Params& params) const;
   Handled inject(Params& params) const;
+  Handled dump(Params& params) const;
 
   const ServerConfig& config_;
   ServerSources sources_;

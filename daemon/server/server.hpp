@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -41,6 +42,8 @@ struct ServerSources {
   const TrajectoryStore& trajectory;
   HealthBoard& health;
   FaultBoard* faults = nullptr;  // null: nothing may be injected
+  /// Writes the newest raw input as a drive folder of that name (empty: one of its own) and gives its path. Any thread.
+  std::function<Result<std::string>(const std::string& name)> dump{};
 };
 
 class Server {

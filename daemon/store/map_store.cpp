@@ -154,6 +154,13 @@ void MapStore::keep_budget() {
   }
 }
 
+void MapStore::restore(std::uint64_t id, const Pose& T_map_base, PackedPoints points) {
+  Keyframe keyframe;
+  keyframe.id = id;
+  const auto shared = std::make_shared<const PackedPoints>(std::move(points));
+  keep(keyframe, {T_map_base, reach_of(*shared), shared});
+}
+
 void MapStore::clear() {
   recent_ = RecentVoxels{config_.voxel_size_m, config_.shared_keyframes};
   moving_ = MovingPoints{config_.moving, T_base_lidar_};

@@ -76,6 +76,9 @@ class MapStore {
   /// T_map_odom  where odom lies in map at that moment; the keyframe stays at T_map_odom * state.T_odom_base.
   void add(const Keyframe& keyframe, const Pose& T_map_odom = {});
 
+  /// A keyframe of an earlier run, as it is: nothing is thinned. The adding thread, before the first add().
+  void restore(std::uint64_t id, const Pose& T_map_base, PackedPoints points);
+
   /// Forgets everything: a new map begins, whose ids count from 0 again. The adding thread.
   void clear();
 

@@ -17,9 +17,13 @@ void MappingThread::run(const std::stop_token& stop) {
     drain();
     solve(stop);
     tell_state();
+    make_checkpoint();
     pause_for(kPollPeriod);
   }
   drain();
+  if (checkpoints_ != nullptr && back_end_.link().known) {
+    checkpoints_->offer(back_end_.mapper().stored(checkpoints_->byte_budget()), host_now());
+  }
 }
 
 void MappingThread::drain() {
@@ -58,6 +62,30 @@ void MappingThread::solve(const std::stop_token& stop) {
   if (!solved) return;
   correct_map(*mapper.solution(), *before, map_);
   tell_link();
+}
+
+void MappingThread::restore(StoredMap map, const CloudGrid& grid) {
+  for (std::size_t i = 0; i < map.keyframes.size(); ++i) {
+    const StoredKeyframe& keyframe = map.keyframes[i];
+    if (!is_packed_cloud(keyframe.cloud)) continue;
+    PackedPoints points;
+    unpack_cloud(keyframe.cloud, grid, [&points](const Eigen::Vector3f& p) {
+      if (const auto packed = PackedPoint::of({p.x(), p.y(), p.z(), 0.0F})) points.push_back(*packed);
+    });
+    map_.restore(i, keyframe.T_map_base, std::move(points));
+  }
+  back_end_.restore(std::move(map), host_now());
+  kept_keyframes_ = back_end_.mapper().keyframes().size();
+  tell_link();
+}
+
+/// Of a map that has grown, and whose place is known: one that is being looked for must not be written over.
+void MappingThread::make_checkpoint() {
+  const HostTime now = host_now();
+  const std::size_t keyframes = back_end_.mapper().keyframes().size();
+  if (checkpoints_ == nullptr || keyframes == kept_keyframes_ || !back_end_.link().known || !checkpoints_->is_due(now)) return;
+  checkpoints_->offer(back_end_.mapper().stored(checkpoints_->byte_budget()), now);
+  kept_keyframes_ = keyframes;
 }
 
 void MappingThread::tell_state() {

@@ -1,22 +1,36 @@
 #include "daemon/threads/recorder.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "daemon/threads/pause.hpp"
+#include "daemon/threads/state_directory.hpp"
 
 namespace slamd {
 namespace {
 
 constexpr Duration kPollPeriod = std::chrono::milliseconds{20};
+constexpr const char* kSharesName = "scan_shares.csv";
 
 bool write_text(const std::filesystem::path& path, const std::string& text) {
   std::ofstream file{path};
   file << text;
   return file.flush().good();
+}
+
+std::ofstream begin_shares(const std::string& path) {
+  std::ofstream shares{path};
+  shares << std::setprecision(17) << "scan_end_ns,share\n" << std::flush;
+  return shares;
+}
+
+std::ostream& write_share(std::ostream& shares, const LimitedScan& scan) {
+  return shares << to_ns(scan.end) << ',' << scan.share << std::endl;
 }
 
 }  // namespace
@@ -33,55 +47,157 @@ void WireTap::take(const UdpPacket& read) {
   }
 }
 
-bool WireTap::drain(PcapSink& file) {
-  bool any = false;
-  for (; RecordedRead* slot = ring_.front(); ring_.pop()) {
-    slot->read.payload = {slot->bytes.data(), slot->size};
-    file.write(slot->read);
-    any = true;
-  }
-  return any;
+std::string FlightRecorderConfig::dump_folder() const {
+  if (!folder.empty()) return folder;
+  const std::string state = state_directory();
+  return state.empty() ? state : state + "/dumps";
 }
 
-Result<std::unique_ptr<Recorder>> Recorder::open(const std::string& folder, const std::string& config_yaml) {
+bool is_good_dump_name(const std::string& name) {
+  constexpr std::size_t kLongest = 128;
+  const auto good = [](char c) { return (std::isalnum(static_cast<unsigned char>(c)) != 0) || c == '.' || c == '_' || c == '-'; };
+  return !name.empty() && name.size() <= kLongest && name.front() != '.' && std::ranges::all_of(name, good);
+}
+
+Recorder::Recorder(const std::string& config_yaml, const FlightRecorderConfig& flight)
+    : config_yaml_{config_yaml},
+      flight_{flight},
+      lidar_{"lidar.pcap", WireTap{4096}, FlightRing{flight.span, flight.byte_budget - flight.byte_budget / 16}, {}},  // tap: 5 s
+      imu_{"imu.pcap", WireTap{2048}, FlightRing{flight.span, flight.byte_budget / 32}, {}},                           // 10 s
+      gnss_{"gps.pcap", WireTap{512}, FlightRing{flight.span, flight.byte_budget / 32}, {}} {}
+
+Result<std::unique_ptr<Recorder>> Recorder::open(const std::string& folder, const std::string& config_yaml,
+                                                 const FlightRecorderConfig& flight) {
+  std::unique_ptr<Recorder> recorder{new Recorder{config_yaml, flight}};
+  const Result<void> recording = folder.empty() ? Result<void>{} : recorder->record_to(folder);
+  if (!recording) return Error{recording.reason()};
+  return recorder;
+}
+
+Result<void> Recorder::record_to(const std::string& folder) {
   const std::filesystem::path path{folder};
   std::error_code error;
   std::filesystem::create_directories(path, error);
   if (error) return Error{"the folder of the recording cannot be made"};
-  for (const char* name : {"lidar.pcap", "imu.pcap", "gps.pcap"}) {
-    if (std::filesystem::exists(path / name, error)) return Error{"there is a recording in that folder already"};
+  for (const Wire* wire : wires()) {
+    if (std::filesystem::exists(path / wire->file_name, error)) return Error{"there is a recording in that folder already"};
   }
-  Result<PcapSink> lidar = PcapSink::open((path / "lidar.pcap").c_str());
-  Result<PcapSink> imu = PcapSink::open((path / "imu.pcap").c_str());
-  Result<PcapSink> gnss = PcapSink::open((path / "gps.pcap").c_str());
-  std::ofstream shares{path / "scan_shares.csv"};
-  shares << std::setprecision(17) << "scan_end_ns,share\n" << std::flush;
-  if (!lidar || !imu || !gnss || !shares || !write_text(path / "slamd.yaml", config_yaml)) {
-    return Error{"the files of the recording cannot be made"};
+  for (Wire* wire : wires()) {
+    Result<PcapSink> file = PcapSink::open((path / wire->file_name).c_str());
+    if (!file) return Error{"the files of the recording cannot be made"};
+    wire->file.emplace(std::move(file).value());
   }
-  return std::unique_ptr<Recorder>{
-      new Recorder{{std::move(lidar).value(), std::move(imu).value(), std::move(gnss).value(), std::move(shares)}}};
+  shares_ = begin_shares(path / kSharesName);
+  if (!*shares_ || !write_text(path / "slamd.yaml", config_yaml_)) return Error{"the files of the recording cannot be made"};
+  return {};
 }
 
 void Recorder::run(const std::stop_token& stop) {
-  while (!stop.stop_requested() && drain()) pause_for(kPollPeriod);
-  if (!failed()) drain();
+  while (!stop.stop_requested()) {
+    drain();
+    take_request();
+    pause_for(kPollPeriod);
+  }
+  drain();
+  take_request();
+}
+
+void Recorder::drain() {
+  bool written = true;
+  for (Wire* wire : wires()) written = drain(*wire) && written;
+  written = drain_shares() && written;
+  if (written) return;
+  failed_.store(true, std::memory_order_relaxed);
+  for (Wire* wire : wires()) wire->file.reset();
+  shares_.reset();
 }
 
 bool Recorder::drain_shares() {
+  bool good = true;
   for (; const LimitedScan* scan = limited_.front(); limited_.pop()) {
-    files_.shares << to_ns(scan->end) << ',' << scan->share << std::endl;
+    if (shares_) good = static_cast<bool>(write_share(*shares_, *scan));
+    const std::lock_guard lock{mutex_};
+    std::erase_if(kept_shares_, [&](const LimitedScan& kept) { return scan->end - kept.end > flight_.span; });
+    kept_shares_.push_back(*scan);
   }
-  return files_.shares.good();
+  return good;
 }
 
 /// False when the disk did not take it.
-bool Recorder::drain() {
-  const auto write = [](WireTap& tap, PcapSink& file) { return !tap.drain(file) || static_cast<bool>(file.flush()); };
-  const bool written = write(lidar_, files_.lidar) && write(imu_, files_.imu) && write(gnss_, files_.gnss) &&
-                       drain_shares();
-  if (!written) failed_.store(true, std::memory_order_relaxed);
-  return written;
+bool Recorder::drain(Wire& wire) {
+  const bool any = wire.tap.drain([&](const UdpPacket& read) {
+    if (wire.file) wire.file->write(read);
+    if (flight_.span > Duration{}) wire.kept.add(read);
+  });
+  return !any || !wire.file || static_cast<bool>(wire.file->flush());
 }
+
+void Recorder::request_dump(const std::string& name, const std::string& reason) {
+  const std::lock_guard lock{mutex_};
+  request_ = Request{name, reason};
+}
+
+void Recorder::take_request() {
+  std::optional<Request> request;
+  {
+    const std::lock_guard lock{mutex_};
+    request = std::exchange(request_, std::nullopt);
+  }
+  if (request) static_cast<void>(write_dump(*request, true));
+}
+
+Result<std::string> Recorder::dump(const std::string& name, const std::string& reason) {
+  return write_dump({name, reason}, false);
+}
+
+Result<std::string> Recorder::write_dump(const Request& request, bool draining) {
+  const auto fail = [this](const char* reason) {
+    failed_dumps_.fetch_add(1, std::memory_order_relaxed);
+    return Error{reason};
+  };
+  const std::filesystem::path folder{flight_.dump_folder()};
+  if (folder.empty()) return fail("no folder for dumps is configured (flight_recorder.folder)");
+  if (flight_.span == Duration{}) return fail("nothing is kept (flight_recorder.span_s is 0)");
+  if (!is_good_dump_name(request.name)) return fail("the name must be a plain file name");
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  const auto here = std::filesystem::directory_iterator{folder, error};
+  if (error) return fail("the folder of dumps cannot be made");
+  if (std::distance(here, {}) >= flight_.max_dumps) return fail("there are flight_recorder.max_dumps dumps already");
+  const std::filesystem::path path = folder / request.name;
+  if (!std::filesystem::create_directory(path, error) || error) return fail("there is a dump of that name, or it cannot be made");
+  std::filesystem::permissions(path, std::filesystem::perms{0750}, error);
+  if (const Result<void> written = write_wires(path, request.reason, draining); !written) return fail(written.reason());
+  dumps_.fetch_add(1, std::memory_order_relaxed);
+  return path.string();
+}
+
+/// draining: on the recorder's thread, whose rings must not overflow while the disk works.
+Result<void> Recorder::write_wires(const std::string& folder, const std::string& reason, bool draining) {
+  const std::array<FlightRing::Snapshot, 3> kept{lidar_.kept.snapshot(), imu_.kept.snapshot(), gnss_.kept.snapshot()};
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    Result<PcapSink> opened = PcapSink::open((folder + '/' + wires()[i]->file_name).c_str());
+    if (!opened) return Error{"the files of the dump cannot be made"};
+    PcapSink file = std::move(opened).value();
+    for (const auto& chunk : kept[i]) {
+      FlightRing::write(*chunk, file);
+      if (draining) drain();
+    }
+    if (!file.flush()) return Error{"the files of the dump cannot be written (disk full?)"};
+  }
+  std::ofstream shares = begin_shares(folder + '/' + kSharesName);
+  {
+    const std::lock_guard lock{mutex_};
+    for (const LimitedScan& scan : kept_shares_) write_share(shares, scan);
+  }
+  if (!shares) return Error{"the files of the dump cannot be written (disk full?)"};
+  const nlohmann::json about = {{"reason", reason}, {"span_s", to_seconds(flight_.span)}};
+  if (!write_text(folder + "/slamd.yaml", config_yaml_) || !write_text(folder + "/dump.json", about.dump() + '\n')) {
+    return Error{"the files of the dump cannot be written (disk full?)"};
+  }
+  return {};
+}
+
+std::size_t Recorder::kept_bytes() const { return lidar_.kept.bytes() + imu_.kept.bytes() + gnss_.kept.bytes(); }
 
 }  // namespace slamd

@@ -11,8 +11,10 @@ Pose level(const Pose& T) {
   return {Eigen::Quaterniond{Eigen::AngleAxisd{yaw, Eigen::Vector3d::UnitZ()}}, T.translation};
 }
 
-void KeyframeClouds::add(const PointCloud& points_base) {
-  clouds_.push_back(pack_cloud(points_base, config_.grid));
+void KeyframeClouds::add(const PointCloud& points_base) { add_packed(pack_cloud(points_base, config_.grid)); }
+
+void KeyframeClouds::add_packed(std::vector<std::uint8_t> packed) {
+  clouds_.push_back(std::move(packed));
   bytes_ += clouds_.back().size();
   for (; bytes_ > config_.byte_budget && forgotten_ + 1 < clouds_.size(); ++forgotten_) {
     bytes_ -= clouds_[forgotten_].size();

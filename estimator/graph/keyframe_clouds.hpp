@@ -37,6 +37,10 @@ class KeyframeClouds {
 
   /// The next keyframe's points, base frame, metres: the first in each voxel is kept.
   void add(const PointCloud& points_base);
+  /// Likewise of points that were packed with the same grid before.
+  void add_packed(std::vector<std::uint8_t> packed);
+  /// Empty for a keyframe whose points were forgotten.
+  const std::vector<std::uint8_t>& packed(std::size_t i) const { return clouds_[i]; }
   std::size_t size() const { return clouds_.size(); }
   std::size_t bytes() const { return bytes_; }
   /// So many of the oldest keyframes have lost their points for the budget; their sub-maps are empty.

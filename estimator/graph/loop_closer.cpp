@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <ranges>
+#include <utility>
 
 namespace slamd {
 
@@ -38,11 +39,22 @@ LoopCloser::LoopCloser(const LoopCloserConfig& config, const Eigen::Vector3d& p_
     : config_{config}, clouds_{config.clouds, p_base_lidar} {}
 
 void LoopCloser::add(const Keyframe& keyframe) {
+  append(keyframe);
+  clouds_.add(keyframe.points);
+}
+
+void LoopCloser::restore(const Keyframe& keyframe, std::vector<std::uint8_t> packed) {
+  append(keyframe);
+  if (!is_packed_cloud(packed)) packed.clear();
+  clouds_.add_packed(std::move(packed));
+  restored_ = next_ = clouds_.size();
+}
+
+void LoopCloser::append(const Keyframe& keyframe) {
   const Eigen::Vector3d& position = keyframe.state.T_odom_base.translation;
   driven_m_.push_back(driven_m_.empty() ? 0.0 : driven_m_.back() + (position - last_position_).norm());
   last_position_ = position;
   pieces_.push_back(keyframe.state.odom_piece);
-  clouds_.add(keyframe.points);
 }
 
 std::size_t LoopCloser::bytes() const {
@@ -53,6 +65,7 @@ std::size_t LoopCloser::bytes() const {
 }
 
 bool LoopCloser::update(const GraphView& view) {
+  describe_restored(view);
   const std::vector<std::size_t> before = believed_;
   const std::size_t size = std::min({clouds_.size(), view.keyframes.size(), view.odometry.size()});
   for (; next_ + config_.keyframes_ahead < size; next_ += config_.search_every) look_from(view, next_);
@@ -65,9 +78,19 @@ void LoopCloser::look_from(const GraphView& view, std::size_t to) {
   for (Candidate& candidate : candidates) {
     if (verify(view, candidate) != LoopStage::kAccepted) reports_.push_back(candidate.report);
   }
-  places_.push_back(to);
+  describe_place(view, to);
+}
+
+/// Late, since it takes longer than to find a vehicle that stands where it stood.
+void LoopCloser::describe_restored(const GraphView& view) {
+  for (std::size_t i = 0; i < restored_; i += config_.search_every) describe_place(view, i);
+  restored_ = 0;
+}
+
+void LoopCloser::describe_place(const GraphView& view, std::size_t keyframe) {
+  places_.push_back(keyframe);
   descriptors_.push_back(
-      describe(clouds_.submap(view.odometry, to, config_.keyframes_behind, config_.keyframes_ahead)));
+      describe(clouds_.submap(view.odometry, keyframe, config_.keyframes_behind, config_.keyframes_ahead)));
 }
 
 /// Earlier keyframes within the radius of where we may be: the nearest one, or those that look alike when the radius has
@@ -181,7 +204,7 @@ LoopCloser::Candidate LoopCloser::candidate(const GraphView& view, std::size_t f
 }
 
 std::optional<Recognition> LoopCloser::recognise(const GraphView& view, const PieceView& piece,
-                                                 const std::optional<Pose>& T_map_guess) const {
+                                                 const std::optional<Pose>& T_map_guess) {
   const std::size_t newest = piece.odometry.size() - 1;
   const Submap here = piece.clouds.submap(piece.odometry, newest, config_.keyframes_behind, 0);
   const auto check = [&](std::size_t place, const PlaceGuess& guess) -> std::optional<Recognition> {
@@ -199,6 +222,7 @@ std::optional<Recognition> LoopCloser::recognise(const GraphView& view, const Pi
     const Pose T_place_guess = level(view.keyframes[*nearest].T_map_base).inverse() * level(*T_map_guess);
     return check(*nearest, {.T_target_source = planar(T_place_guess), .window = kRecognitionWindow});
   }
+  describe_restored(view);
   const std::vector<PlaceMatch> matches = ranked_places(describe(here), [](std::size_t) { return true; });
   for (const PlaceMatch& m : matches | std::views::take(kLooksTried)) {
     if (m.distance > config_.max_descriptor_distance) break;

@@ -17,12 +17,14 @@ class LoopCloser final : public LoopSource {
   LoopCloser(const LoopCloserConfig& config, const Eigen::Vector3d& p_base_lidar);
 
   void add(const Keyframe& keyframe) override;
+  void restore(const Keyframe& keyframe, std::vector<std::uint8_t> packed) override;
+  std::span<const std::uint8_t> packed(std::size_t keyframe) const override { return clouds_.packed(keyframe); }
   bool update(const GraphView& view) override;
   std::span<const LoopClosure> closures() const override { return closures_; }
   void weigh(std::span<const double> weights) override;
   std::span<const LoopCandidateReport> reports() const override { return reports_; }
   std::optional<Recognition> recognise(const GraphView& view, const PieceView& piece,
-                                       const std::optional<Pose>& T_map_guess) const override;
+                                       const std::optional<Pose>& T_map_guess) override;
   std::size_t forgotten() const override { return clouds_.forgotten(); }
   std::size_t bytes() const override;
 
@@ -48,6 +50,9 @@ class LoopCloser final : public LoopSource {
     bool retracted = false;
   };
 
+  void append(const Keyframe& keyframe);
+  void describe_restored(const GraphView& view);
+  void describe_place(const GraphView& view, std::size_t keyframe);
   std::optional<std::size_t> nearest_place(const GraphView& view, const Eigen::Vector3d& p_map) const;
   void look_from(const GraphView& view, std::size_t to);
   template <class Eligible>
@@ -69,6 +74,7 @@ class LoopCloser final : public LoopSource {
   Eigen::Vector3d last_position_ = Eigen::Vector3d::Zero();
   std::vector<std::size_t> places_;           // keyframes that have a descriptor
   std::vector<PlaceDescriptor> descriptors_;  // of places_
+  std::size_t restored_ = 0;                  // keyframes of an earlier run that have no descriptor yet: up to here
   std::size_t next_ = 0;                      // keyframe to look from
   AgreementGraph agreement_;
   std::vector<Passed> passed_;                // nodes of agreement_

@@ -65,6 +65,16 @@ class LoopSource {
   virtual ~LoopSource() = default;
   /// A new keyframe with its points. Cheap (below 0.5 ms): searching is for update().
   virtual void add(const Keyframe& keyframe) = 0;
+  /// A keyframe of an earlier run: its points are those that packed() gave then. Not looked at for closures by itself.
+  virtual void restore(const Keyframe& keyframe, std::vector<std::uint8_t> packed) {
+    static_cast<void>(packed);
+    add(keyframe);
+  }
+  /// A keyframe's points for restore(); empty when it has none any more.
+  virtual std::span<const std::uint8_t> packed(std::size_t keyframe) const {
+    static_cast<void>(keyframe);
+    return {};
+  }
   /// Looks at keyframes that were not looked at so far. True when closures() is another set than before.
   virtual bool update(const GraphView& view) = 0;
   /// All closures that hold now: what is missing here is not in the graph any more.
@@ -75,7 +85,7 @@ class LoopSource {
   /// Where in the map the newest keyframe of `piece` is: near T_map_guess when that is given, else by looks among all places.
   /// Verified as closures are, but not against any odometry. None: nothing fits, or more than one place does.
   virtual std::optional<Recognition> recognise(const GraphView& view, const PieceView& piece,
-                                               const std::optional<Pose>& T_map_guess) const {
+                                               const std::optional<Pose>& T_map_guess) {
     static_cast<void>(view), static_cast<void>(piece), static_cast<void>(T_map_guess);
     return std::nullopt;
   }

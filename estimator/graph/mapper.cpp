@@ -1,6 +1,7 @@
 #include "estimator/graph/mapper.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace slamd {
@@ -9,6 +10,8 @@ namespace {
 constexpr double kLeastGrowth = 50.0;  // keyframes
 // Three copies of the estimates (here, published, the one before), the chain, the graph, and Ceres' problem while it solves.
 constexpr std::size_t kBytesAKeyframe = 3 * sizeof(KeyframeEstimate) + 1024 + 4096;
+constexpr Duration kBeforeThisRun = std::chrono::seconds{2};  // GPS ties no fix across such a gap
+constexpr std::uint32_t kPieceOfEarlierRun = std::numeric_limits<std::uint32_t>::max();
 
 bool is_usable(const Keyframe& keyframe) {
   const Pose& T = keyframe.state.T_odom_base;
@@ -30,11 +33,62 @@ void Mapper::add(const Keyframe& keyframe) {
     ++rejected_;
     return;
   }
+  keep(keyframe);
+  if (loops_) loops_->add(keyframe);
+}
+
+void Mapper::keep(const Keyframe& keyframe) {
   graph_.add(keyframe);
   odometry_.add(keyframe.state.T_odom_base, keyframe.relative_covariance);
   keyframes_.push_back({keyframe.state.time, keyframe.state.T_odom_base, graph_.poses().back()});
-  if (loops_) loops_->add(keyframe);
   if (positions_) positions_->add(keyframe);
+}
+
+StoredMap Mapper::stored(std::size_t byte_budget) const {
+  StoredMap map;
+  if (keyframes_.empty() || !loops_) return map;
+  std::size_t first = keyframes_.size();
+  for (std::size_t bytes = 0; first > loops_->forgotten(); --first) {
+    bytes += loops_->packed(first - 1).size() + sizeof(StoredKeyframe);
+    if (bytes > byte_budget) break;
+  }
+  for (std::size_t i = first; i < keyframes_.size(); ++i) {
+    const std::span<const std::uint8_t> cloud = loops_->packed(i);
+    const Matrix6d covariance = i > first ? odometry_.relative_covariance(i - 1, i) : Matrix6d{Matrix6d::Zero()};
+    map.keyframes.push_back({keyframes_[i].time, keyframes_[i].T_map_base, covariance, {cloud.begin(), cloud.end()}});
+  }
+  map.T_map_base = keyframes_.back().T_map_base;
+  if (const std::optional<StoredEnu> enu = stored_enu()) {
+    map.enu_valid = true;
+    map.enu = *enu;
+  }
+  return map;
+}
+
+std::optional<StoredEnu> Mapper::stored_enu() const {
+  if (!enu_) return restored_enu_;
+  const EnuOrigin origin = positions_->origin();
+  StoredEnu enu{enu_->yaw_rad, enu_->translation, {}, origin.latitude_deg, origin.longitude_deg, origin.ellipsoid_height_m};
+  std::copy_n(enu_->covariance.data(), enu.covariance.size(), enu.covariance.begin());
+  return enu;
+}
+
+void Mapper::restore(StoredMap map, HostTime now) {
+  const Duration shift = map.keyframes.empty() ? Duration{} : now - map.keyframes.back().time - kBeforeThisRun;
+  for (StoredKeyframe& stored : map.keyframes) {
+    Keyframe keyframe;
+    keyframe.id = keyframes_.size();
+    keyframe.state.time = stored.time + shift;
+    keyframe.state.odom_piece = kPieceOfEarlierRun;
+    keyframe.state.T_odom_base = stored.T_map_base;
+    keyframe.relative_covariance = stored.relative_covariance;
+    keyframe.up_base = stored.T_map_base.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+    keyframe.up_sigma_rad = 0.0;  // the graph's own floor
+    keep(keyframe);
+    if (loops_) loops_->restore(keyframe, std::move(stored.cloud));
+  }
+  if (map.enu_valid) restored_enu_ = map.enu;
+  publish({});
 }
 
 void Mapper::add(const GnssFix& fix) {
@@ -99,6 +153,11 @@ void Mapper::publish(const MapGraphSolve& solve) {
   if (enu_) {
     next->enu = *enu_;
     next->enu_origin = positions_->origin();
+  } else if (restored_enu_) {
+    const StoredEnu& enu = *restored_enu_;
+    next->enu_valid = true;
+    next->enu = {enu.yaw_rad, enu.translation, Eigen::Map<const Matrix4d>{enu.covariance.data()}};
+    next->enu_origin = {enu.latitude_deg, enu.longitude_deg, enu.ellipsoid_height_m};
   }
   next->keyframes = keyframes_;
   next->changes = solution_->changes + 1;

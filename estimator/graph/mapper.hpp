@@ -11,6 +11,7 @@
 #include "estimator/graph/loop_closure.hpp"
 #include "estimator/graph/map_graph.hpp"
 #include "estimator/graph/odometry_chain.hpp"
+#include "estimator/types/stored_map.hpp"
 
 namespace slamd {
 
@@ -33,6 +34,12 @@ class Mapper {
   void add(const Keyframe& keyframe);
   void add(const GnssFix& fix);
 
+  /// The newest keyframes, of as many as their points take `byte_budget`, for a later run; none without a search for loops.
+  StoredMap stored(std::size_t byte_budget) const;
+  /// Begins with the keyframes of an earlier run instead of none: rigid among themselves as they were left, as sure of it as the
+  /// odometry of then. Their stamps are moved to end before `now`. Only on an empty mapper.
+  void restore(StoredMap map, HostTime now);
+
   /// Asked often while solve() works; true = stop soon. Empty: never.
   using Cancelled = std::function<bool()>;
 
@@ -51,7 +58,7 @@ class Mapper {
 
   GraphView view() const { return {keyframes_, odometry_}; }
   /// As LoopSource::recognise in this map; none without a search for loops.
-  std::optional<Recognition> recognise(const PieceView& piece, const std::optional<Pose>& T_map_guess) const {
+  std::optional<Recognition> recognise(const PieceView& piece, const std::optional<Pose>& T_map_guess) {
     return loops_ && !keyframes_.empty() ? loops_->recognise(view(), piece, T_map_guess) : std::nullopt;
   }
 
@@ -72,6 +79,8 @@ class Mapper {
   std::uint64_t left_out_keyframes() const { return left_out_; }
 
  private:
+  void keep(const Keyframe& keyframe);
+  std::optional<StoredEnu> stored_enu() const;
   bool ask_sources();
   bool grown(double share, double at_least) const;
   bool solve_whole(const Cancelled& cancelled);
@@ -84,6 +93,7 @@ class Mapper {
   OdometryChain odometry_;
   std::vector<KeyframeEstimate> keyframes_;
   std::optional<EnuAlignment> enu_;  // as the newest solve left it
+  std::optional<StoredEnu> restored_enu_;  // told until there is a newer one
   std::shared_ptr<const GraphSolution> solution_ = std::make_shared<GraphSolution>();
   bool pending_ = false;  // something asked for a solve that did not end yet
   std::uint64_t rejected_ = 0;

@@ -75,6 +75,18 @@ std::vector<std::uint8_t> pack_cloud(std::span<const CloudPoint> points_base, co
   return bytes;
 }
 
+bool is_packed_cloud(std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t kMostVoxelBytes = 5;  // of a step of 32 bits
+  constexpr std::size_t kPlaceBytes = 2;
+  for (std::size_t i = 0; i < bytes.size(); i += kPlaceBytes) {
+    const std::size_t begin = i;
+    while (i < bytes.size() && (bytes[i] & 0x80U) != 0) ++i;
+    ++i;
+    if (i - begin > kMostVoxelBytes || i + kPlaceBytes > bytes.size()) return false;
+  }
+  return true;
+}
+
 void unpack_cloud(std::span<const std::uint8_t> packed, const CloudGrid& grid,
                   const std::function<void(const Eigen::Vector3f&)>& take) {
   std::uint32_t number = 0;

@@ -24,6 +24,9 @@ struct CloudGrid {
 /// before (7 bits a byte, the highest says that more follow), then the place inside: 5, 5 and 6 bits of x, y, z.
 std::vector<std::uint8_t> pack_cloud(std::span<const CloudPoint> points_base, const CloudGrid& grid);
 
+/// Whether unpack_cloud can read it: for bytes that come from outside.
+bool is_packed_cloud(std::span<const std::uint8_t> bytes);
+
 /// Calls take(point) for each, base frame, metres; at most 1/64 of a voxel off in x and y, 1/128 in z.
 void unpack_cloud(std::span<const std::uint8_t> packed, const CloudGrid& grid,
                   const std::function<void(const Eigen::Vector3f&)>& take);

@@ -9,6 +9,8 @@ namespace slamd {
 
 namespace {
 
+constexpr double kPatienceAfterRestart_m = 50.0;
+constexpr double kStanding_mps = 0.3;
 constexpr std::size_t kGuessTries = 3;  // keyframes of a piece that are looked for where they are believed to be
 
 }  // namespace
@@ -35,11 +37,28 @@ Relocaliser::Entered Relocaliser::add(const Keyframe& keyframe) {
     ++counts_.relocalised;
     return enter_waiting();
   }
-  if (driven_m_ < config_.patience_m) return {};
+  if (driven_m_ < patience_m()) return {};
   begin_anew();
   Entered entered = enter_waiting();
   entered.map_began_anew = true;
   return entered;
+}
+
+void Relocaliser::restore(StoredMap map, HostTime now) {
+  if (map.keyframes.empty()) return;
+  T_map_guess_ = map.T_map_base;
+  mapper_.restore(std::move(map), now);
+  links_.clear();
+  known_ = false;
+  restored_ = true;
+}
+
+/// Somebody may have moved the vehicle while nobody looked: one that stands has to recognise the map of an earlier run at once, if
+/// only by looks, or it is not the place. One that drives sees more with every metre.
+double Relocaliser::patience_m() const {
+  if (!restored_) return config_.patience_m;
+  const bool stands = waiting_.front().state.velocity_mps.norm() < kStanding_mps;
+  return stands && by_looks_.empty() ? 0.0 : std::min(config_.patience_m, kPatienceAfterRestart_m);
 }
 
 void Relocaliser::begin_piece(std::uint32_t odom_piece) {
@@ -53,7 +72,7 @@ void Relocaliser::begin_piece(std::uint32_t odom_piece) {
   if (known_) {
     links_ = {{odom_piece, {}}};
   } else {
-    T_map_guess_ = mapper_.keyframes().back().T_map_base;
+    if (!restored_) T_map_guess_ = mapper_.keyframes().back().T_map_base;
   }
 }
 
@@ -111,6 +130,7 @@ void Relocaliser::join(const Found& place) {
   links_.push_back({odom_piece_, T_chain_map * place.T_map_odom});
   waiting_.front().relative_covariance = T_last_first.covariance;
   known_ = true;
+  restored_ = false;
 }
 
 Relocaliser::Entered Relocaliser::enter_waiting() {
@@ -127,6 +147,7 @@ void Relocaliser::begin_anew() {
   mapper_ = make_mapper_();
   links_ = {{odom_piece_, {}}};
   known_ = true;
+  restored_ = false;
   ++counts_.begun_anew;
 }
 

@@ -35,6 +35,10 @@ class Relocaliser {
   /// p_base_lidar  where the rays begin, base frame, metres
   Relocaliser(const RelocaliserConfig& config, MakeMapper make_mapper, const Eigen::Vector3d& p_base_lidar);
 
+  /// Begins with the map of an earlier run, in which the vehicle is looked for first where it was left. When nothing of the map
+  /// fits what the first keyframe sees, a new map begins. Before the first add(). now  host time
+  void restore(StoredMap map, HostTime now);
+
   /// What a keyframe brings into the map.
   struct Entered {
     bool map_began_anew = false;          // all that was there before is gone
@@ -70,6 +74,7 @@ class Relocaliser {
   Found found(const Recognition& recognition) const;
   bool is_confirmed(const Found& newest) const;
   void join(const Found& place);
+  double patience_m() const;
   Entered enter_waiting();
   void begin_anew();
 
@@ -80,6 +85,7 @@ class Relocaliser {
   std::vector<Link> links_;              // of pieces in the map; the newest one's is the last when it is known
   std::uint32_t odom_piece_ = 0;
   bool known_ = true;
+  bool restored_ = false;                // the map is of an earlier run, and nothing of this one is in it yet
   std::optional<Pose> T_map_guess_;      // of the piece's first keyframe
   OdometryChain piece_;
   KeyframeClouds clouds_;

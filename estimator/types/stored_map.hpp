@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "estimator/types/pose.hpp"
@@ -32,7 +31,8 @@ struct StoredEnu {
 struct StoredMap {
   std::vector<StoredKeyframe> keyframes;  // in order of time
   Pose T_map_base;                        // where the vehicle was
-  std::optional<StoredEnu> enu;
+  bool enu_valid = false;                 // false: enu says nothing
+  StoredEnu enu;
 };
 
 }  // namespace slamd

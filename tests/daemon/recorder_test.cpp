@@ -76,6 +76,77 @@ TEST_F(RecorderTest, ARecordingIsNotWrittenOver) {
   EXPECT_STREQ(again.reason(), "there is a recording in that folder already");
 }
 
+class FlightRecorderTest : public RecorderTest {
+ protected:
+  std::unique_ptr<Recorder> open_flight(FlightRecorderConfig config) {
+    config.folder = folder_;
+    Result<std::unique_ptr<Recorder>> recorder = Recorder::open("", "lidar:\n  port: 2400\n", config);
+    return recorder ? std::move(recorder).value() : nullptr;
+  }
+  /// One read a second of 100 bytes that say its second.
+  static void feed(Recorder& recorder, std::uint8_t seconds) {
+    const Worker worker{{"recorder"}, [&](const std::stop_token& stop) { recorder.run(stop); }};
+    for (std::uint8_t t = 0; t < seconds; ++t) {
+      const std::vector<std::uint8_t> read(100, t);
+      recorder.imu().take({read, HostTime{std::chrono::seconds{t}}, {}});
+    }
+  }
+};
+
+TEST_F(FlightRecorderTest, ADumpHasEveryByteOfTheSpanAndItsReason) {
+  const auto recorder = open_flight({});
+  feed(*recorder, 40);
+  const Result<std::string> path = recorder->dump("one", "a test");
+  ASSERT_TRUE(path) << path.reason();
+  EXPECT_EQ(*path, folder_ + "/one");
+  EXPECT_EQ(bytes_of("one/imu.pcap").size(), 4000U);
+  EXPECT_EQ(bytes_of("one/imu.pcap").back(), 39);
+  EXPECT_TRUE(std::filesystem::exists(folder_ + "/one/slamd.yaml"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ + "/one/dump.json"));
+  EXPECT_EQ(recorder->dumps(), 1U);
+}
+
+TEST_F(FlightRecorderTest, WhatIsAskedForIsWrittenByItsOwnThread) {
+  const auto recorder = open_flight({});
+  recorder->request_dump("asked", "a test");
+  feed(*recorder, 3);
+  EXPECT_TRUE(std::filesystem::exists(folder_ + "/asked/dump.json"));
+}
+
+TEST_F(FlightRecorderTest, NamesThatLeaveTheFolderTooManyDumpsAndSecondOnesAreRefused) {
+  const auto recorder = open_flight({.span = std::chrono::seconds{60}, .byte_budget = 8U << 20U, .folder = "", .max_dumps = 2});
+  for (const char* name : {"", "..", ".x", "a/b", "/tmp/x", "a b"}) EXPECT_FALSE(recorder->dump(name, "")) << name;
+  EXPECT_TRUE(recorder->dump("one", ""));
+  EXPECT_FALSE(recorder->dump("one", "")) << "never written over";
+  EXPECT_TRUE(recorder->dump("two", ""));
+  EXPECT_FALSE(recorder->dump("three", "")) << "max_dumps";
+  EXPECT_EQ(recorder->dumps(), 2U);
+}
+
+TEST(FlightRing, ForgetsWhatIsOlderThanItsSpanOrBeyondItsBytes) {
+  FlightRing ring{std::chrono::seconds{10}, 1U << 20U};
+  const std::vector<std::uint8_t> read(1000);
+  for (int i = 0; i < 100; ++i) ring.add({.payload = read, .arrival = HostTime{std::chrono::milliseconds{i}}, .source = {}});
+  EXPECT_GT(ring.bytes(), 100'000U);
+  for (int i = 0; i < 10'000; ++i) {
+    ring.add({.payload = read, .arrival = HostTime{std::chrono::milliseconds{100 + i}}, .source = {}});
+    ASSERT_LE(ring.bytes(), 1U << 20U);
+  }
+  EXPECT_GT(ring.bytes(), (1U << 20U) - 2 * FlightRing::kChunkBytes);
+  ring.add({.payload = read, .arrival = HostTime{std::chrono::seconds{100}}, .source = {}});
+  EXPECT_LE(ring.bytes(), FlightRing::kChunkBytes);
+}
+
+TEST(FlightRing, ASnapshotStaysAsItIs) {
+  FlightRing ring{std::chrono::seconds{10}, 1U << 20U};
+  const std::vector<std::uint8_t> read(1000);
+  ring.add({.payload = read, .arrival = HostTime{}, .source = {}});
+  const FlightRing::Snapshot snapshot = ring.snapshot();
+  const std::vector<std::uint8_t> before = snapshot.front()->bytes;
+  for (int i = 0; i < 5'000; ++i) ring.add({.payload = read, .arrival = HostTime{std::chrono::milliseconds{i}}, .source = {}});
+  EXPECT_EQ(snapshot.front()->bytes, before);
+}
+
 TEST_F(RecorderTest, AFolderThatCannotBeMadeIsRefused) {
   EXPECT_FALSE(Recorder::open("/proc/no/such/place", ""));
 }

@@ -14,6 +14,7 @@ using test::Random;
 constexpr double kRadius_m = 40.0;
 constexpr double kSpacing_m = 2.0;
 constexpr std::uint64_t kTown = 7;
+constexpr std::size_t kPlenty = 64U << 20U;
 
 /// A vehicle on the road around a town, in odoms that begin where and as often as a test says.
 class Drive {
@@ -26,6 +27,12 @@ class Drive {
     ++piece_;
     T_world_odom_ = truth(along_m) * Pose{Eigen::Quaterniond{Eigen::AngleAxisd{1.0, Eigen::Vector3d::UnitZ()}}, {5.0, -3.0, 0.0}};
   }
+  /// The front end counts its pieces from 0 again.
+  void restart() {
+    count_ = 0;
+    piece_ = static_cast<std::uint32_t>(-1);
+  }
+  void go(double speed_mps) { speed_mps_ = speed_mps; }
   void enter(std::uint64_t town) { town_ = BoxTown::around_circle(kRadius_m, town); }
 
   Keyframe keyframe(double along_m) {
@@ -34,6 +41,7 @@ class Drive {
     keyframe.state.time = HostTime{std::chrono::milliseconds{250 * static_cast<std::int64_t>(count_)}};
     keyframe.state.odom_piece = piece_;
     keyframe.state.T_odom_base = T_world_odom_.inverse() * truth(along_m);
+    keyframe.state.velocity_mps = {speed_mps_, 0.0, 0.0};
     keyframe.relative_covariance = 1e-6 * Matrix6d::Identity();
     keyframe.up_sigma_rad = 0.001;
     keyframe.points = town_.scan(truth(along_m), random_);
@@ -45,16 +53,30 @@ class Drive {
   Random random_{11};
   Pose T_world_odom_ = truth(0.0);
   std::uint32_t piece_ = 0;
+  double speed_mps_ = 0.0;
   std::uint64_t count_ = 0;
 };
 
 class RelocaliserTest : public ::testing::Test {
  protected:
   RelocaliserTest() {
+    begin_back_end();
+    for (double along_m = 0.0; along_m < 150.0; along_m += kSpacing_m) add(along_m);
+  }
+
+  void begin_back_end() {
     BackEndConfig config;
     config.use_gps = false;
     back_end_.emplace(make_relocaliser(config, {.T_base_lidar = {{}, test::kLidarInBase}, .T_base_imu = {}, .p_base_antenna = {}}));
-    for (double along_m = 0.0; along_m < 150.0; along_m += kSpacing_m) add(along_m);
+  }
+
+  /// Another process takes over what this one has left.
+  void restart() {
+    StoredMap left = back_end_->mapper().stored(kPlenty);
+    begin_back_end();
+    entered_ = left.keyframes.size();
+    back_end_->restore(std::move(left), HostTime{std::chrono::hours{1}});
+    drive_.restart();
   }
 
   /// Whether it has brought anything into the map.
@@ -118,6 +140,41 @@ TEST_F(RelocaliserTest, AnotherTownIsNotTakenForThisOneAndBecomesANewMap) {
   EXPECT_EQ(back_end_->counts().begun_anew, 1U);
   EXPECT_EQ(back_end_->counts().relocalised, 0U);
   EXPECT_TRUE(back_end_->link().places(newest_)) << "in a map of its own";
+}
+
+TEST_F(RelocaliserTest, AfterARestartTheVehicleThatStandsWhereItStoodIsFoundByItsFirstScan) {
+  restart();
+  EXPECT_FALSE(back_end_->link().known) << "belief is not enough";
+  drive_.begin_piece(148.5);
+  expect_found_at(148.5, 1.0);
+  EXPECT_FALSE(began_anew_);
+}
+
+TEST_F(RelocaliserTest, AfterARestartWhileItDrivesItIsFoundOnTheWay) {
+  restart();
+  drive_.go(8.0);
+  drive_.begin_piece(60.0);
+  expect_found_at(60.0, 30.0);
+  EXPECT_FALSE(began_anew_);
+}
+
+TEST_F(RelocaliserTest, AfterARestartInAnotherTownANewMapBeginsWithTheFirstScan) {
+  restart();
+  drive_.enter(99);
+  drive_.begin_piece(148.5);
+  EXPECT_TRUE(add(148.5));
+  EXPECT_TRUE(began_anew_);
+  EXPECT_EQ(back_end_->mapper().keyframes().size(), 1U);
+}
+
+TEST_F(RelocaliserTest, WhatIsStoredAreTheNewestKeyframesOfTheBudget) {
+  const StoredMap all = back_end_->mapper().stored(kPlenty);
+  EXPECT_EQ(all.keyframes.size(), 75U);
+  const StoredMap some = back_end_->mapper().stored(200'000);
+  ASSERT_GT(some.keyframes.size(), 5U);
+  ASSERT_LT(some.keyframes.size(), 75U);
+  EXPECT_EQ(some.keyframes.back().time, all.keyframes.back().time);
+  EXPECT_EQ(some.keyframes.back().cloud, all.keyframes.back().cloud);
 }
 
 TEST(MapLink, AnUnplacedPoseIsNeverTrackingAndItsCovarianceExcludesNothingNear) {

@@ -149,6 +149,14 @@ int save_trajectory(client::Connection& daemon, const Options& options) {
   return print_saved(options, answer.result, std::to_string(answer.result.value("poses", 0)) + " poses");
 }
 
+int dump(client::Connection& daemon, const Options& options) {
+  json params = json::object();
+  if (!options.file.empty()) params["name"] = options.file;
+  const json result = daemon.call(method::kDump, params).result;
+  std::cout << (options.json ? result.dump() : result.value("path", "")) << '\n';
+  return kOk;
+}
+
 int show_doctor(const Options& options) {
   doctor::Wanted wanted;
   wanted.lidar_address = options.lidar_address;

@@ -42,6 +42,7 @@ int show_pose(client::Connection& daemon, const Options& options);
 int inject(client::Connection& daemon, const Options& options);
 int save_map(client::Connection& daemon, const Options& options);
 int save_trajectory(client::Connection& daemon, const Options& options);
+int dump(client::Connection& daemon, const Options& options);
 
 /// What is wrong with machine and daemon; kFailed when anything is, a daemon that does not answer among it.
 int show_doctor(const Options& options);

@@ -76,6 +76,8 @@ void add_commands(CLI::App& cli, Options& options) {
   CLI::App* trajectory = cli.add_subcommand("trajectory", "the path driven so far")->require_subcommand(1);
   trajectory->add_subcommand("save", "write it as TUM text (base in odom)")
       ->add_option("FILE", options.file, "what to write")->required();
+  cli.add_subcommand("dump", "have the daemon write the newest raw input of its sensors as a drive folder, for slam-replay")
+      ->add_option("--out", options.file, "name of the folder among the daemon's dumps");
   for (CLI::App* sub : cli.get_subcommands({})) sub->fallthrough();
   for (CLI::App* sub : {cli.get_subcommand("map"), trajectory}) sub->get_subcommand("save")->fallthrough();
 }
@@ -86,6 +88,7 @@ Command chosen(const CLI::App& cli) {
   if (cli.got_subcommand("pose")) return show_pose;
   if (cli.got_subcommand("top")) return show_top;
   if (cli.got_subcommand("inject")) return inject;
+  if (cli.got_subcommand("dump")) return dump;
   return cli.got_subcommand("map") ? save_map : save_trajectory;
 }
 

@@ -36,6 +36,7 @@ inline constexpr const char* kGetPosePage = "get_pose_page";
 inline constexpr const char* kGetTrajectory = "get_trajectory";
 inline constexpr const char* kSaveMap = "save_map";
 inline constexpr const char* kInject = "inject";
+inline constexpr const char* kDump = "dump";
 }  // namespace method
 
 /// Methods of the notifications that the daemon sends.

@@ -1,0 +1,215 @@
+#include "daemon/store/checkpoint_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <bit>
+#include <boost/crc.hpp>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <string_view>
+
+#include "daemon/store/cloud_file.hpp"
+
+namespace slamd {
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+
+constexpr std::string_view kMagic = "SLAMDMAP";
+constexpr std::size_t kHeadBytes = kMagic.size() + 2 * sizeof(std::uint32_t);
+constexpr double kUnit = 1e-6;  // that a quaternion's norm may be off
+
+std::uint32_t crc_of(std::span<const std::uint8_t> bytes) {
+  boost::crc_32_type crc;
+  crc.process_bytes(bytes.data(), bytes.size());
+  return crc.checksum();
+}
+
+class Writer {
+ public:
+  template <class T>
+  void number(T value) {
+    const auto* raw = reinterpret_cast<const std::uint8_t*>(&value);
+    bytes_.insert(bytes_.end(), raw, raw + sizeof value);
+  }
+  void numbers(std::span<const double> values) {
+    for (const double value : values) number(value);
+  }
+  void pose(const Pose& T) {
+    numbers({T.translation.data(), 3});
+    numbers({T.rotation.coeffs().data(), 4});
+  }
+  void raw(std::span<const std::uint8_t> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
+  std::vector<std::uint8_t>& bytes() { return bytes_; }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+};
+
+/// Reads what is there; what is not, or is no sound value, makes it bad for good.
+class Reader {
+ public:
+  explicit Reader(std::span<const std::uint8_t> bytes) : left_{bytes} {}
+
+  template <class T>
+  T number() {
+    T value{};
+    if (left_.size() < sizeof value) {
+      good_ = false;
+      return value;
+    }
+    std::memcpy(&value, left_.data(), sizeof value);
+    left_ = left_.subspan(sizeof value);
+    return value;
+  }
+  void numbers(std::span<double> values) {
+    for (double& value : values) {
+      value = number<double>();
+      good_ = good_ && std::isfinite(value);
+    }
+  }
+  Pose pose() {
+    Pose T;
+    numbers({T.translation.data(), 3});
+    numbers({T.rotation.coeffs().data(), 4});
+    good_ = good_ && std::abs(T.rotation.norm() - 1.0) < kUnit;
+    return T;
+  }
+  std::span<const std::uint8_t> raw(std::size_t size) {
+    good_ = good_ && size <= left_.size();
+    const std::span<const std::uint8_t> bytes = left_.first(good_ ? size : 0);
+    left_ = left_.subspan(bytes.size());
+    return bytes;
+  }
+  bool good() const { return good_; }
+  bool at_end() const { return good_ && left_.empty(); }
+
+ private:
+  std::span<const std::uint8_t> left_;
+  bool good_ = true;
+};
+
+void write(Writer& out, const VehicleGeometry& vehicle) {
+  out.pose(vehicle.T_base_lidar);
+  out.pose(vehicle.T_base_imu);
+  out.numbers({vehicle.p_base_antenna.data(), 3});
+}
+
+void write(Writer& out, const StoredEnu& enu) {
+  out.number(enu.yaw_rad);
+  out.numbers({enu.translation.data(), 3});
+  out.numbers(enu.covariance);
+  out.numbers(std::array{enu.latitude_deg, enu.longitude_deg, enu.ellipsoid_height_m});
+}
+
+StoredEnu read_enu(Reader& in) {
+  StoredEnu enu;
+  in.numbers({&enu.yaw_rad, 1});
+  in.numbers({enu.translation.data(), 3});
+  in.numbers(enu.covariance);
+  in.numbers({&enu.latitude_deg, 1});
+  in.numbers({&enu.longitude_deg, 1});
+  in.numbers({&enu.ellipsoid_height_m, 1});
+  return enu;
+}
+
+void write(Writer& out, const StoredKeyframe& keyframe) {
+  out.number(to_ns(keyframe.time));
+  out.pose(keyframe.T_map_base);
+  out.numbers({keyframe.relative_covariance.data(), 36});
+  out.number(static_cast<std::uint32_t>(keyframe.cloud.size()));
+  out.raw(keyframe.cloud);
+}
+
+StoredKeyframe read_keyframe(Reader& in) {
+  StoredKeyframe keyframe;
+  keyframe.time = from_ns<HostTime>(in.number<std::int64_t>());
+  keyframe.T_map_base = in.pose();
+  in.numbers({keyframe.relative_covariance.data(), 36});
+  const std::span<const std::uint8_t> cloud = in.raw(in.number<std::uint32_t>());
+  keyframe.cloud.assign(cloud.begin(), cloud.end());
+  return keyframe;
+}
+
+Result<StoredMap> read_map(Reader& in) {
+  StoredMap map;
+  map.T_map_base = in.pose();
+  map.enu_valid = in.number<std::uint32_t>() != 0;
+  if (map.enu_valid) map.enu = read_enu(in);
+  const auto count = in.number<std::uint32_t>();
+  for (std::uint32_t i = 0; i < count && in.good(); ++i) {
+    map.keyframes.push_back(read_keyframe(in));
+    const bool in_order = i == 0 || map.keyframes[i - 1].time < map.keyframes[i].time;
+    if (!in_order) return Error{"the checkpoint's keyframes are out of order"};
+  }
+  if (!in.at_end()) return Error{"the checkpoint's content is unsound"};
+  return map;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode(const StoredMap& map, const VehicleGeometry& vehicle) {
+  Writer out;
+  out.raw({reinterpret_cast<const std::uint8_t*>(kMagic.data()), kMagic.size()});
+  out.number(kCheckpointVersion);
+  out.number(std::uint32_t{0});  // CRC-32, below
+  write(out, vehicle);
+  out.pose(map.T_map_base);
+  out.number(static_cast<std::uint32_t>(map.enu_valid ? 1 : 0));
+  if (map.enu_valid) write(out, map.enu);
+  out.number(static_cast<std::uint32_t>(map.keyframes.size()));
+  for (const StoredKeyframe& keyframe : map.keyframes) write(out, keyframe);
+  const std::uint32_t crc = crc_of(std::span{out.bytes()}.subspan(kHeadBytes));
+  std::memcpy(out.bytes().data() + kHeadBytes - sizeof crc, &crc, sizeof crc);
+  return std::move(out.bytes());
+}
+
+Result<StoredMap> decode(std::span<const std::uint8_t> bytes, const VehicleGeometry& vehicle) {
+  Reader in{bytes};
+  const std::span<const std::uint8_t> magic = in.raw(kMagic.size());
+  if (!std::equal(magic.begin(), magic.end(), kMagic.begin(), kMagic.end())) return Error{"this is no checkpoint"};
+  if (in.number<std::uint32_t>() != kCheckpointVersion) return Error{"the checkpoint is of another version"};
+  const auto crc = in.number<std::uint32_t>();
+  if (!in.good() || crc != crc_of(bytes.subspan(kHeadBytes))) return Error{"the checkpoint is damaged or torn"};
+  Writer own;
+  write(own, vehicle);
+  const std::span<const std::uint8_t> stored = in.raw(own.bytes().size());
+  if (!std::equal(stored.begin(), stored.end(), own.bytes().begin(), own.bytes().end())) {
+    return Error{"the checkpoint is of another vehicle, or the sensors have been moved"};
+  }
+  return read_map(in);
+}
+
+Result<std::vector<std::uint8_t>> read_checkpoint(const std::string& path) {
+  const UniqueFd file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)};
+  if (!file && errno == ENOENT) return std::vector<std::uint8_t>{};
+  struct stat status {};
+  if (!file || ::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode)) return Error{"the checkpoint cannot be read"};
+  if (static_cast<std::size_t>(status.st_size) > kMaxCheckpointBytes) return Error{"the checkpoint is too long"};
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(status.st_size));
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t got = ::read(file.get(), bytes.data() + done, bytes.size() - done);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return Error{"the checkpoint cannot be read"};
+    done += static_cast<std::size_t>(got);
+  }
+  return bytes;
+}
+
+Result<StoredMap> load_checkpoint(const std::string& path, const VehicleGeometry& vehicle) {
+  const Result<std::vector<std::uint8_t>> bytes = read_checkpoint(path);
+  if (!bytes) return Error{bytes.reason()};
+  if (bytes->empty()) return StoredMap{};
+  return decode(*bytes, vehicle);
+}
+
+Result<void> write_checkpoint(std::span<const std::uint8_t> bytes, const std::string& path) {
+  const Result<UniqueFd> content = text_memfd({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  if (!content) return Error{content.reason()};
+  return save_atomically(content->get(), path);
+}
+
+}  // namespace slamd

@@ -1,0 +1,37 @@
+#pragma once
+// A stored map as the bytes of a file, and the file: checksummed, of a known version, of this vehicle, bounded, and there whole
+// or not at all. It believes nothing: whether the vehicle is still there is for registration to say.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "estimator/types/pose.hpp"
+#include "estimator/types/result.hpp"
+#include "estimator/types/stored_map.hpp"
+
+namespace slamd {
+
+inline constexpr std::uint32_t kCheckpointVersion = 1;
+/// Of a file; a longer one is not read.
+inline constexpr std::size_t kMaxCheckpointBytes = 1ULL << 30U;
+
+/// Little-endian: "SLAMDMAP", u32 version, u32 CRC-32 of all that follows, then vehicle, pose, place on the earth, keyframes.
+std::vector<std::uint8_t> encode(const StoredMap& map, const VehicleGeometry& vehicle);
+
+/// Any bytes: refused with a reason unless they are a whole, undamaged checkpoint of this version and of just this vehicle, with
+/// finite numbers, unit quaternions and times in order.
+Result<StoredMap> decode(std::span<const std::uint8_t> bytes, const VehicleGeometry& vehicle);
+
+/// The bytes of a file of at most kMaxCheckpointBytes; none (no error) when there is no such file.
+Result<std::vector<std::uint8_t>> read_checkpoint(const std::string& path);
+
+/// Both at once: a map without keyframes when there is no such file.
+Result<StoredMap> load_checkpoint(const std::string& path, const VehicleGeometry& vehicle);
+
+/// Written beside `path`, synced and renamed: on any error (disk full) `path` is as it was. Mode 0640.
+Result<void> write_checkpoint(std::span<const std::uint8_t> bytes, const std::string& path);
+
+}  // namespace slamd
