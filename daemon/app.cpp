@@ -37,6 +37,7 @@ Result<std::unique_ptr<App>> App::open(const Config& config, const std::string& 
   Result<std::unique_ptr<Recorder>> recorder = Recorder::open(record_folder, print_config(config), config.flight_recorder);
   if (!recorder) return Error{recorder.reason()};
   app->record(std::move(recorder).value());
+  if (!record_folder.empty()) app->watch_recording();
   return app;
 }
 
@@ -76,6 +77,9 @@ void App::record(std::unique_ptr<Recorder> recorder) {
   health_.add_object("flight_recorder", [this] {
     return nlohmann::json{{"bytes", recorder_->kept_bytes()}, {"dumps", recorder_->dumps()}, {"failed_dumps", recorder_->failed_dumps()}};
   });
+}
+
+void App::watch_recording() {
   supervisor_.watch_source("recording", [this] {
     SourceHealth health;
     health.state = recorder_->failed() ? "failed" : "healthy";

@@ -62,6 +62,7 @@ class App {
   void start_thread(const ThreadSchedule& schedule, Part& part);
   void tell_refusals(std::set<std::string> reasons);
   void record(std::unique_ptr<Recorder> recorder);
+  void watch_recording();
   void resume();
   void tell_map_events();
   void dump_when_lost(HostTime now);

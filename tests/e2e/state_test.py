@@ -35,6 +35,15 @@ class State(EndToEndTest):
     def await_tracking(self, timeout_s=60.0):
         return self.await_pose("TRACKING", lambda pose: pose["status"] == "TRACKING", timeout_s)
 
+    def await_verdict(self):
+        """Whether the map of before was found again, or a new one begun; told a moment after the pose."""
+
+        def verdict():
+            told = self.back_end()
+            return (told["relocalised"], told["maps_begun_anew"])
+
+        return self.await_value("a verdict", lambda: verdict() if sum(verdict()) > 0 else None, 30.0)
+
     def stand_until_kept(self):
         """The pose in map, once a checkpoint of it is written."""
         self.await_tracking()
@@ -52,7 +61,7 @@ class State(EndToEndTest):
         after = self.await_tracking()["T_map_base"]
         print(f"TRACKING {time.monotonic() - begin:.2f} s after the start", flush=True)
         self.assertLess(math.dist(before["translation_m"], after["translation_m"]), 0.1)
-        self.assertEqual((self.back_end()["relocalised"], self.back_end()["maps_begun_anew"]), (1, 0))
+        self.assertEqual(self.await_verdict(), (1, 0))
         self.await_value("the log", lambda: "map state=relocalised" in daemon.output(), 10.0)
 
     @in_real_time
@@ -64,8 +73,7 @@ class State(EndToEndTest):
         self.kill(daemon)
         self.start_daemon()
         self.await_tracking(90.0)
-        back_end = self.back_end()
-        self.assertEqual(back_end["relocalised"] + back_end["maps_begun_anew"], 1)
+        self.await_verdict()
 
     @in_real_time
     def test_in_another_place_a_new_map_begins_and_it_says_so(self):
@@ -78,7 +86,7 @@ class State(EndToEndTest):
         daemon = self.start_daemon()
         self.start_simulator("--scenario", "campus", "--rest", "120", "--duration", "120")
         self.await_tracking()
-        self.assertEqual((self.back_end()["relocalised"], self.back_end()["maps_begun_anew"]), (0, 1))
+        self.assertEqual(self.await_verdict(), (0, 1))
         self.await_value("the log", lambda: "map state=begun_anew" in daemon.output(), 10.0)
 
     def test_damaged_checkpoints_are_refused_with_a_reason(self):
