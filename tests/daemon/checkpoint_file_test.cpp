@@ -29,7 +29,7 @@ StoredMap some_map() {
   return map;
 }
 
-VehicleGeometry some_vehicle() { return {.T_base_lidar = {Eigen::Quaterniond::Identity(), {0.4, 0.0, 1.9}}, .T_base_imu = {}, .p_base_antenna = {}}; }
+VehicleGeometry some_vehicle() { return {.T_base_lidar = {Eigen::Quaterniond::Identity(), {0.4, 0.0, 1.9}}, .T_base_imu = {}, .p_base_antenna = Eigen::Vector3d::Zero()}; }
 
 TEST(CheckpointFile, WhatWasStoredComesBackToTheBit) {
   const StoredMap map = some_map();

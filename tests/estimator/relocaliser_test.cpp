@@ -67,7 +67,7 @@ class RelocaliserTest : public ::testing::Test {
   void begin_back_end() {
     BackEndConfig config;
     config.use_gps = false;
-    back_end_.emplace(make_relocaliser(config, {.T_base_lidar = {{}, test::kLidarInBase}, .T_base_imu = {}, .p_base_antenna = {}}));
+    back_end_.emplace(make_relocaliser(config, {.T_base_lidar = {Eigen::Quaterniond::Identity(), test::kLidarInBase}, .T_base_imu = {}, .p_base_antenna = Eigen::Vector3d::Zero()}));
   }
 
   /// Another process takes over what this one has left.
