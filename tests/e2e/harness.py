@@ -14,7 +14,9 @@ import tempfile
 import time
 import unittest
 
-sys.path.append(os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "support"))  # rigid
+sys.path.append(os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "support"))  # rigid, waiting
+
+from waiting import first_value  # noqa: E402
 
 SLAMD = os.environ.get("SLAMD", "slamd")
 SLAM_SIM = os.environ.get("SLAM_SIM", "slam-sim")
@@ -192,12 +194,9 @@ class EndToEndTest(unittest.TestCase):
 
     def await_value(self, what, attempt, timeout_s):
         """Asks until attempt() gives something true; fails after timeout_s with everybody's output."""
-        deadline = time.monotonic() + timeout_s
-        while time.monotonic() < deadline:
-            value = attempt()
-            if value:
-                return value
-            time.sleep(0.05)
+        value = first_value(attempt, timeout_s)
+        if value:
+            return value
         outputs = "\n".join(process.output()[-3000:] for process in self.processes)
         return self.fail(f"waited {timeout_s} s for {what}\n{outputs}")
 

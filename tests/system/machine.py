@@ -5,10 +5,14 @@ import glob
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
-import time
 import unittest
 import uuid
+
+sys.path.append(os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "support"))
+
+from waiting import first_value  # noqa: E402
 
 ADDRESS = "192.168.1.77"         # of the machine
 SENSOR_ADDRESS = "192.168.1.201"  # on the other end of its cable
@@ -23,13 +27,10 @@ def run(*command, check=True, timeout_s=120.0):
 
 
 def await_value(what, attempt, timeout_s):
-    deadline = time.monotonic() + timeout_s
-    while time.monotonic() < deadline:
-        value = attempt()
-        if value:
-            return value
-        time.sleep(0.05)
-    raise AssertionError(f"waited {timeout_s} s for {what}")
+    value = first_value(attempt, timeout_s)
+    if not value:
+        raise AssertionError(f"waited {timeout_s} s for {what}")
+    return value
 
 
 class Cable:
