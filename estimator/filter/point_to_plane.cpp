@@ -8,6 +8,12 @@ PointToPlane::PointToPlane(const PointToPlaneConfig& config, std::size_t max_poi
   matches_.reserve(max_points);
 }
 
+bool PointToPlane::can_be_seen(const Plane& plane, const Eigen::Vector3f& p_odom_lidar) const {
+  const Eigen::Vector3f to_plane = plane.centre - p_odom_lidar;
+  const float distance_m = std::abs(plane.normal.dot(to_plane));
+  return distance_m > std::max(config_.least_view_distance_m, config_.least_view_sine * to_plane.norm());
+}
+
 void PointToPlane::associate(std::span<const MeasuredPoint> points, const InertialState& state, PlaneMap& map) {
   matches_.clear();
   const Pose T_odom_lidar = state.T_odom_lidar();
@@ -16,7 +22,7 @@ void PointToPlane::associate(std::span<const MeasuredPoint> points, const Inerti
   for (const MeasuredPoint& point : points) {
     if (matches_.size() == matches_.capacity()) break;
     const Plane* plane = map.plane_at(R * point.p_lidar + t);
-    if (plane != nullptr) matches_.push_back({point.p_lidar, point.returns, *plane});
+    if (plane != nullptr && can_be_seen(*plane, t)) matches_.push_back({point.p_lidar, point.returns, *plane});
   }
 }
 

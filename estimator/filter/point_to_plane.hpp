@@ -18,6 +18,10 @@ struct PointToPlaneConfig {
   double robust_scale = 2.0;        // standard deviations at which a residual's weight is one half
   double gate_sigmas = 4.0;         // beyond: not used at all
   double max_residual_m = 1.0;
+  // No beam comes back from a plane that it runs along. What looks like one is the sweep of one laser across an edge: it
+  // moves with the sensor.
+  float least_view_distance_m = 0.3F;  // of the sensor from the plane
+  float least_view_sine = 0.025F;      // of the angle between beam and plane
 };
 
 /// A de-skewed point: lidar frame at scan end, metres.
@@ -52,6 +56,7 @@ class PointToPlane {
     float returns;
     Plane plane;
   };
+  bool can_be_seen(const Plane& plane, const Eigen::Vector3f& p_odom_lidar) const;
   double residual_variance(const Match& match, const Eigen::Vector3f& p_odom) const;
 
   PointToPlaneConfig config_;
