@@ -55,9 +55,9 @@ ConfigChanges changes(const Config& running, const Config& wanted) {
   return found;
 }
 
-Loaded<VehicleGeometry> load_vehicle(const std::string& path) {
-  Loaded<VehicleGeometry> loaded{reference_vehicle(), {}};
-  loaded.faults = read_yaml_file(path, vehicle_fields(loaded.value));
+Loaded<DriveVehicle> load_drive_vehicle(const std::string& path) {
+  Loaded<DriveVehicle> loaded{{}, {}};
+  loaded.faults = read_yaml_file(path, drive_vehicle_fields(loaded.value));
   return loaded;
 }
 

@@ -52,8 +52,13 @@ struct Config {
 /// Every key of slamd.yaml, bound to the members of `config`, which must outlive the table.
 std::vector<Field> config_fields(Config& config);
 
-/// The three keys of a drive folder's vehicle.yaml; with prefix "vehicle." the section of slamd.yaml.
-std::vector<Field> vehicle_fields(VehicleGeometry& vehicle, const std::string& prefix = "");
+/// What a drive folder's vehicle.yaml says: where the sensors are, and how the LiDAR's rays begin (Vlp16Config); the format is
+/// older than that key, and drives without it have rays from one point.
+struct DriveVehicle {
+  VehicleGeometry geometry = reference_vehicle();
+  bool lidar_vertical_offsets = false;
+};
+std::vector<Field> drive_vehicle_fields(DriveVehicle& vehicle);
 
 /// What a file gave: `value` is meaningful only when `faults` is empty.
 template <class T>
@@ -73,9 +78,9 @@ struct ConfigChanges {
 };
 ConfigChanges changes(const Config& running, const Config& wanted);
 
-/// vehicle.yaml of a drive folder: T_base_lidar, T_base_imu (translation_m, rotation_quat_xyzw), p_base_antenna.
-/// Keys that it does not have keep the reference vehicle's value.
-Loaded<VehicleGeometry> load_vehicle(const std::string& path);
+/// vehicle.yaml of a drive folder: T_base_lidar, T_base_imu (translation_m, rotation_quat_xyzw), p_base_antenna,
+/// lidar_vertical_offsets. Keys that it does not have keep the value of a default DriveVehicle.
+Loaded<DriveVehicle> load_drive_vehicle(const std::string& path);
 
 /// The configuration as a slamd.yaml that documents every key; of a default Config this is config/slamd.yaml.
 std::string print_config(const Config& config);

@@ -39,6 +39,8 @@ Fields lidar_fields(LidarThreadConfig& t, Vlp16Config& d) {
        "smallest delay from a packet's last firing to its arrival"},
       {"lidar.min_range_m", &d.min_range_m, "m", {0, 100}, "nearer returns are dropped"},
       {"lidar.max_range_m", &d.max_range_m, "m", {1, 131}, "farther returns are dropped"},
+      {"lidar.vertical_offsets", &d.vertical_offsets, "", {},
+       "rays begin at the manual's heights, as in the real sensor; false = at one point"},
   };
 }
 
@@ -226,6 +228,12 @@ Fields vehicle_fields(VehicleGeometry& v, const std::string& prefix) {
       {prefix + "T_base_imu.rotation_quat_xyzw", &v.T_base_imu.rotation, "", {-1, 1}, "rotates imu into base"},
       {prefix + "p_base_antenna", &v.p_base_antenna, "m", kMetres, "phase centre of the GPS antenna in base"},
   };
+}
+
+Fields drive_vehicle_fields(DriveVehicle& v) {
+  Fields fields = vehicle_fields(v.geometry, "");
+  fields.push_back({"lidar_vertical_offsets", &v.lidar_vertical_offsets, "", {}, "see lidar.vertical_offsets of slamd.yaml"});
+  return fields;
 }
 
 Fields config_fields(Config& c) {

@@ -52,6 +52,7 @@ constexpr std::array<float, kVlp16Channels> kShares = make_shares();
 Vlp16Decoder::Vlp16Decoder(const Vlp16Config& config)
     : min_range_2mm_{std::max<std::uint16_t>(counts_of(config.min_range_m), 1)},
       max_range_2mm_{counts_of(config.max_range_m)},
+      share_of_offset_{config.vertical_offsets ? 1.0F : 0.0F},
       rotation_limits_{config.rotation},
       timeline_{config.stamp_tolerance},
       clock_{config.clock} {}
@@ -152,7 +153,7 @@ void Vlp16Decoder::add_point(const Beams& beams, std::size_t channel, std::int32
   const float level_m = range_m * laser.cos_elevation;
   out_.points[out_.point_count++] = {level_m * beams.cos_azimuth[channel],
                                      -level_m * beams.sin_azimuth[channel],
-                                     range_m * laser.sin_elevation + laser.height_m,
+                                     range_m * laser.sin_elevation + share_of_offset_ * laser.height_m,
                                      time_ns,
                                      beams.azimuth_cdeg[channel],
                                      laser.ring,

@@ -26,6 +26,9 @@ inline ClockSync::Config vlp16_clock() {
 struct Vlp16Config {
   double min_range_m = 0.5;    // nearer returns are the sensor's own window, its mount or the roof it stands on
   double max_range_m = 130.0;  // the wire format ends at 131.07 m
+  // Whether each laser's ray begins at the height that the manual's table 9-1 gives for it (11.2 to -11.2 mm), as in the real
+  // sensor, or all at one point, as in recordings of simulators that leave this out.
+  bool vertical_offsets = true;
   Vlp16RotationLimits rotation;
   Duration stamp_tolerance =
       std::chrono::milliseconds{250};  // stamp's advance against arrival's; arrivals stall, stamps do not
@@ -83,6 +86,7 @@ class Vlp16Decoder {
 
   std::uint16_t min_range_2mm_;
   std::uint16_t max_range_2mm_;
+  float share_of_offset_;  // 1 or 0
   Vlp16RotationLimits rotation_limits_;
   Vlp16Timeline timeline_;
   ClockSync clock_;

@@ -148,11 +148,12 @@ TEST(Config, ChangesAreToldApartByWhatARunningDaemonCanTakeOver) {
 TEST(Config, ADriveFoldersVehicleFileIsRead) {
   const std::string path = SLAMD_SHARED_DATA "/drive_sample/vehicle.yaml";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
-  const auto loaded = load_vehicle(path);
+  const auto loaded = load_drive_vehicle(path);
   EXPECT_EQ(loaded.faults, ConfigFaults{});
-  EXPECT_EQ(loaded.value.p_base_antenna, Eigen::Vector3d(-0.60, 0.35, 1.74));
-  EXPECT_NEAR(loaded.value.T_base_lidar.rotation.y(), 0.095845752520, 1e-12);
-  EXPECT_NEAR(loaded.value.T_base_imu.rotation.w(), 0.699404695268, 1e-12);
+  EXPECT_FALSE(loaded.value.lidar_vertical_offsets);
+  EXPECT_EQ(loaded.value.geometry.p_base_antenna, Eigen::Vector3d(-0.60, 0.35, 1.74));
+  EXPECT_NEAR(loaded.value.geometry.T_base_lidar.rotation.y(), 0.095845752520, 1e-12);
+  EXPECT_NEAR(loaded.value.geometry.T_base_imu.rotation.w(), 0.699404695268, 1e-12);
 }
 
 }  // namespace

@@ -248,6 +248,25 @@ TEST(Vlp16Decoder, KeepsReturnsInsideItsRangeLimitsOnly) {
   EXPECT_EQ(decoder.stats().out_of_range, 4U);
 }
 
+TEST(Vlp16Decoder, BeginsRaysAtTheManualsHeightsOrAtOnePoint) {
+  Vlp16Config one_point;
+  one_point.vertical_offsets = false;
+  Vlp16Decoder real{{}}, simple{one_point};
+  Vlp16Bytes b{0, 40, 0};
+  for (std::size_t i = 0; i < 16; ++i) b.set_return(0, i, 5000, 9);
+  const LidarPacket* with = real.decode(b.span(), from_ns<HostTime>(kStartNs));
+  const LidarPacket* without = simple.decode(b.span(), from_ns<HostTime>(kStartNs));
+  ASSERT_NE(with, nullptr);
+  ASSERT_NE(without, nullptr);
+  ASSERT_EQ(with->point_count, 16);
+  for (std::size_t i = 0; i < 16; ++i) {
+    const LidarPoint &p = with->points[i], &q = without->points[i];
+    EXPECT_NEAR(p.z - q.z, 0.0112 * (7.5 - p.ring) / 7.5, 3e-4) << "ring " << int{p.ring};
+    EXPECT_NEAR(std::hypot(q.x, q.y, q.z), 10.0, 1e-5);
+    EXPECT_EQ(p.x, q.x);
+  }
+}
+
 TEST(Vlp16Decoder, AcceptsAPacketWithoutAnyReturn) {
   Vlp16Decoder decoder{{}};
   const Vlp16Bytes b{0, 40, 0};

@@ -50,9 +50,9 @@ void check_override(const std::string& text, const std::vector<Field>& fields) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   const std::string text{reinterpret_cast<const char*>(bytes), size};
   Config whole, changed;
-  VehicleGeometry vehicle = reference_vehicle();
+  DriveVehicle vehicle;
   check_text(text, config_fields(whole));
-  check_text(text, vehicle_fields(vehicle));
+  check_text(text, drive_vehicle_fields(vehicle));
   check_override(text, config_fields(changed));
   return 0;
 }

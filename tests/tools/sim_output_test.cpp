@@ -75,6 +75,7 @@ TEST(SimOutput, AFolderHasOnlyTheFilesOfSensorsThatSpoke) {
   EXPECT_EQ(gps.find('\r'), std::string::npos);
   EXPECT_EQ(std::count(truth.begin(), truth.end(), '\n'), 251);
   EXPECT_EQ(truth.substr(0, 12), "1.000000000 ");
+  EXPECT_NE(text_of(folder / "vehicle.yaml").find("lidar_vertical_offsets: true"), std::string::npos);
   EXPECT_NE(text_of(folder / "vehicle.yaml").find("p_base_antenna: [-0.600000, 0.350000, 1.740000]"),
             std::string::npos);
   std::filesystem::remove_all(folder);

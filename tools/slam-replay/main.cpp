@@ -70,9 +70,10 @@ int run(const Options& options) {
   if (tell(config.faults)) return kBadConfig;
   const std::string vehicle_path = options.drive + "/vehicle.yaml";
   if (std::filesystem::exists(vehicle_path)) {
-    const Loaded<VehicleGeometry> vehicle = load_vehicle(vehicle_path);
+    const Loaded<DriveVehicle> vehicle = load_drive_vehicle(vehicle_path);
     if (tell(vehicle.faults)) return kBadConfig;
-    config.value.vehicle = vehicle.value;
+    config.value.vehicle = vehicle.value.geometry;
+    config.value.vlp16.vertical_offsets = vehicle.value.lidar_vertical_offsets;
   }
   replay::Drive drive{options.drive, drive_config(config.value, options)};
   if (!drive.has_lidar() && !drive.has_imu()) {

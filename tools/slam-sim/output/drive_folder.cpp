@@ -127,6 +127,8 @@ void DriveFolder::write_vehicle(const VehicleGeometry& vehicle) {
   transform("T_base_imu", vehicle.T_base_imu);
   const auto& a = vehicle.p_base_antenna;
   std::fprintf(file.get(), "p_base_antenna: [%.6f, %.6f, %.6f]\n", a.x(), a.y(), a.z());
+  std::fputs("# The LiDAR's rays begin at the heights of the manual, not at one point.\nlidar_vertical_offsets: true\n",
+             file.get());
 }
 
 }  // namespace slamd::sim
