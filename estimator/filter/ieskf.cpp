@@ -136,20 +136,16 @@ void forget_free_directions(const IeskfConfig& config, Linearisation& scan, Upda
   summary.free_direction = positions.weakest;
 }
 
-/// The free direction is known to an angle of its own, by which the information on the others leaks into it, scan by
-/// scan: while one is free the others are told to a centimetre, not to a millimetre.
-double believed(const IeskfConfig& config, const Linearisation& scan, const UpdateSummary& summary, double share) {
-  if (summary.free_translations == 0) return share;
+/// The share of the scan's information that is believed. A free direction is known to an angle of its own, by which the
+/// information on the others leaks into it, scan by scan: while one is free the others are told to a centimetre, not to a
+/// millimetre.
+double believed(const IeskfConfig& config, const Linearisation& scan, const UpdateSummary& summary) {
+  if (summary.free_translations == 0) return config.information_scale;
   const double most = 1.0 / (config.degenerate_sigma_m * config.degenerate_sigma_m);
-  return std::min(share, most / scan.information.block<3, 3>(I::kPosition, I::kPosition).trace());
+  return std::min(config.information_scale, most / scan.information.block<3, 3>(I::kPosition, I::kPosition).trace());
 }
 
 }  // namespace
-
-double information_share(const IeskfConfig& config, std::uint32_t map_viewpoints) {
-  const double age = std::min(1.0, static_cast<double>(map_viewpoints) / config.mature_viewpoints);
-  return config.information_scale * age * age;
-}
 
 UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> points, PointToPlane& residuals,
                      PlaneMap& map, FilterSnapshot& filter, StageListener* listener) {
@@ -157,7 +153,6 @@ UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> p
   InertialState state = filter.state;
   InertialState associated_at = state;
   Matrix6d gate_covariance = filter.covariance.topLeftCorner<6, 6>();
-  const double share = information_share(config, map.viewpoints());
   const bool sure = position_sigma(filter.covariance) < config.associate_again_m;
   const std::uint32_t most = sure ? config.max_iterations : config.max_iterations_unsure;
   std::optional<Step> step;
@@ -175,7 +170,7 @@ UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> p
     if (!is_enough(config, scan)) return summary;
     summary.test_ratio = scan.squared_error / scan.matched;
     forget_free_directions(config, scan, summary);
-    step.emplace(scan, believed(config, scan, summary, share), filter, boxminus(state, filter.state));
+    step.emplace(scan, believed(config, scan, summary), filter, boxminus(state, filter.state));
     if (!step->error().allFinite()) return summary;
     state = boxplus(state, step->error());
     // The gate closes as the iterates settle: what the last step still moved is what remains unsure.

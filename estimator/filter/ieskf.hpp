@@ -15,9 +15,7 @@ struct IeskfConfig {
   double associate_again_m = 0.1;          // points moved further than this since their planes were found: find anew
   std::uint32_t min_inliers = 100;
   double min_inlier_share = 0.3;           // of the points with a plane
-  double information_scale = 0.1;         // neighbouring residuals share their errors: one independent in so many
-  double mature_viewpoints = 20.0;              // a map seen from fewer places is believed less, by the square of the
-                                           // ratio: the rings of one place move with the sensor and pull it along
+  double information_scale = 0.2;          // neighbouring residuals share their errors: one independent in five
   double degenerate_noise_ratio = 1.0;     // information below so many times what noisy normals faked is not believed
   double degenerate_share = 0.002;         // likewise below this share of all the residuals' information
   double degenerate_sigma_m = 0.01;        // of one scan in the other directions while one of position is free
@@ -44,8 +42,5 @@ struct UpdateSummary {
 /// listener, when there is one, hears of kAssociate and kSolve.
 UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> points, PointToPlane& residuals,
                      PlaneMap& map, FilterSnapshot& filter, StageListener* listener = nullptr);
-
-/// The share of a scan's information that is believed when the map was seen from so many places.
-double information_share(const IeskfConfig& config, std::uint32_t map_viewpoints);
 
 }  // namespace slamd

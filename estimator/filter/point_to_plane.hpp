@@ -20,8 +20,8 @@ struct PointToPlaneConfig {
   double max_residual_m = 1.0;
   // No beam comes back from a plane that it runs along. What looks like one is the sweep of one laser across an edge: it
   // moves with the sensor.
-  float least_view_distance_m = 0.3F;  // of the sensor from the plane
-  float least_view_sine = 0.025F;      // of the angle between beam and plane
+  float least_view_distance_m = 0.5F;  // of the sensor from the plane
+  float least_view_sine = 0.03F;      // of the angle between beam and plane
 };
 
 /// A de-skewed point: lidar frame at scan end, metres.

@@ -127,20 +127,25 @@ bool PlaneMap::fit(std::uint32_t slot, const Neighbourhood& neighbourhood, Plane
   return plane.tilt_variance() < squared(config_.max_tilt_rad);
 }
 
-void PlaneMap::maintain(const Eigen::Vector3f& p_odom_vehicle) {
+bool PlaneMap::maintain(const Pose& T_odom_lidar) {
   constexpr float kNearlyFull = 0.9F;
   constexpr float kShrink = 0.98F;
   constexpr float kGrow = 1.002F;
   ++scan_;
-  if (viewpoints_ == 0 || (p_odom_vehicle - last_viewpoint_).norm() >= config_.viewpoint_distance_m) {
+  const Pose moved = last_viewpoint_.inverse() * T_odom_lidar;
+  const bool is_new = viewpoints_ == 0 || moved.translation.norm() >= config_.viewpoint_distance_m ||
+                      moved.rotation.angularDistance(Eigen::Quaterniond::Identity()) >= config_.viewpoint_angle_rad;
+  if (is_new) {
     ++viewpoints_;
-    last_viewpoint_ = p_odom_vehicle;
+    last_viewpoint_ = T_odom_lidar;
   }
   tree_.rebalance(kRebalanceWork);
   const bool nearly_full = static_cast<float>(tree_.size()) > kNearlyFull * static_cast<float>(config_.max_voxels);
   reach_m_ = std::clamp(reach_m_ * (nearly_full ? kShrink : kGrow), config_.min_distance_m, config_.max_distance_m);
   const Eigen::Vector3f reach = Eigen::Vector3f::Constant(reach_m_);
-  tree_.remove_outside({p_odom_vehicle - reach, p_odom_vehicle + reach}, kRemovalWork);
+  const Eigen::Vector3f p_odom_lidar = T_odom_lidar.translation.cast<float>();
+  tree_.remove_outside({p_odom_lidar - reach, p_odom_lidar + reach}, kRemovalWork);
+  return is_new;
 }
 
 void PlaneMap::clear() {

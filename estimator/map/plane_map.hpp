@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "estimator/map/ikd_tree.hpp"
+#include "estimator/types/pose.hpp"
 
 namespace slamd {
 
@@ -21,7 +22,8 @@ struct PlaneMapConfig {
   std::uint32_t max_voxels = 200'000;     // within the LiDAR's reach a street has 50,000 to 130,000
   float max_distance_m = 110.0F;     // half the cube that is kept around the vehicle (the LiDAR's reach); less when nearly full
   float min_distance_m = 80.0F;
-  float viewpoint_distance_m = 0.3F;
+  float viewpoint_distance_m = 0.3F;  // a place further from the last one, or turned further, sees something new
+  float viewpoint_angle_rad = 0.1F;
   Neighbourhood near{5, 1.4F};
   Neighbourhood wide{16, 2.5F};      // tried where the near one does not fix the tilt: one ring is a line, two are a plane
   float near_tilt_rad = 0.04F;
@@ -62,12 +64,13 @@ class PlaneMap {
   void insert(const Eigen::Vector3f& p_odom);
   /// The plane near p, or null where the surface is not plane, unknown or too thin. Valid until the next insert.
   const Plane* plane_at(const Eigen::Vector3f& p_odom);
-  /// Once a scan: forgets what is far from the vehicle, re-balances with bounded work.
-  void maintain(const Eigen::Vector3f& p_odom_vehicle);
+  /// Once a scan: forgets what is far from the vehicle, re-balances with bounded work. Says whether this is a new viewpoint:
+  /// scans of one place that follow each other agree on whatever wrong pose the first few had, and are best left out.
+  bool maintain(const Pose& T_odom_lidar);
   void clear();
 
   std::size_t size() const { return tree_.size(); }
-  /// Places at least viewpoint_distance_m apart from which the map was seen.
+  /// From which the map was seen.
   std::uint32_t viewpoints() const { return viewpoints_; }
   const IkdTree& tree() const { return tree_; }
 
@@ -97,7 +100,7 @@ class PlaneMap {
   std::vector<CachedPlane> planes_;   // of the slots used last: entry slot % size
   std::uint32_t scan_ = 0;
   std::uint32_t viewpoints_ = 0;
-  Eigen::Vector3f last_viewpoint_ = Eigen::Vector3f::Zero();
+  Pose last_viewpoint_;
 };
 
 }  // namespace slamd

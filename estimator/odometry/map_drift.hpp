@@ -13,8 +13,8 @@ struct MapDriftConfig {
   double renewal_m = 20.0;               // travel in which the map around is another one
   double position_m_rtm = 3.0e-4;        // walk besides, metres per root metre
   double attitude_rad_rtm = 5.0e-6;      // radians per root metre
-  double first_tilt_rad = 4.0e-4;        // roll and pitch of a map begun at one place
-  double first_heading_rad = 1.0e-4;
+  double first_tilt_rad = 2.0e-4;        // roll and pitch of a map begun at one place
+  double first_heading_rad = 5.0e-5;
   double first_position_m = 2.0e-3;
   // Of a pose in its map where scans hold it. Noise up to this returns to the map with the next scan, beyond it adds up.
   double held_position_m = 3.0e-3;

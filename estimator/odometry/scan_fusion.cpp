@@ -32,14 +32,14 @@ UpdateSummary ScanFusion::fuse(const Scan& scan, bool coasted, FilterSnapshot& f
   UpdateSummary update;
   if (map().size() > 0) update = registration_.update(scan, alone, filter, listener);
   finished(Stage::kSolve);
-  absorb(update, alone, filter);
+  absorb(update, filter);
   finished(Stage::kInsert);
   return update;
 }
 
 /// What the update means for the map. While the velocity is being found scans are skewed by what is wrong with it, so each
 /// is compared with the one before only.
-void ScanFusion::absorb(const UpdateSummary& update, bool alone, FilterSnapshot& filter) {
+void ScanFusion::absorb(const UpdateSummary& update, FilterSnapshot& filter) {
   const bool makes_map = registration_.segments() >= config_.registration.update.min_inliers;
   const bool first = map().size() == 0 && makes_map;
   const bool searching = velocity_search_.is_on();
@@ -54,7 +54,7 @@ void ScanFusion::absorb(const UpdateSummary& update, bool alone, FilterSnapshot&
   if (restarted_) ++stats_.map_restarts;
   const NewMap new_map{.defines_odom = searching || !odom_is_told_, .moving = skewed || gives_up};
   if (first || gives_up || skewed) begin_map(new_map, filter);
-  if (unfused_ == 0) registration_.insert(filter.state, alone);
+  if (unfused_ == 0) registration_.insert(filter.state);
   odom_is_told_ = true;
 }
 
@@ -84,7 +84,8 @@ void ScanFusion::carry_drift(const FilterSnapshot& before, FilterSnapshot& filte
 }
 
 bool ScanFusion::map_is_mature() const {
-  return map().viewpoints() >= config_.registration.update.mature_viewpoints;
+  constexpr std::uint32_t kEnoughViewpoints = 20;
+  return map().viewpoints() >= kEnoughViewpoints;
 }
 
 }  // namespace slamd

@@ -51,7 +51,7 @@ class ScanFusion {
   const ScanFusionStats& stats() const { return stats_; }
 
  private:
-  void absorb(const UpdateSummary& update, bool alone, FilterSnapshot& filter);
+  void absorb(const UpdateSummary& update, FilterSnapshot& filter);
   struct NewMap {
     bool defines_odom;   // no pose was told yet that it could contradict
     bool moving;         // its first scans are skewed

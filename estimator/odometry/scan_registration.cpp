@@ -10,10 +10,8 @@ constexpr int kPassesAlone = 3;   // each de-skews by the motion that the one be
 // the next pose is as wrong and sure of it. Good drives stay below 5 from their first metre on.
 constexpr double kMostTestRatioAlone = 6.0;
 
-/// Where no IMU holds the prior the scan is all there is: it is believed whole however young the map, and every iteration
-/// associates anew.
+/// Where no IMU holds the prior every iteration associates anew.
 IeskfConfig without_imu(IeskfConfig config) {
-  config.mature_viewpoints = 1.0;
   config.associate_again_m = 0.0;
   return config;
 }
@@ -75,14 +73,11 @@ UpdateSummary ScanRegistration::pass(const Scan& scan, const IeskfConfig& config
   return summary;
 }
 
-void ScanRegistration::insert(const InertialState& state, bool alone) {
+void ScanRegistration::insert(const InertialState& state) {
   const Pose T_odom_lidar = state.T_odom_lidar();
   const Eigen::Matrix3f R = T_odom_lidar.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f t = T_odom_lidar.translation.cast<float>();
-  const std::uint32_t viewpoints = map_.viewpoints();
-  map_.maintain(t);
-  // Scans of one place that follow each other agree on whatever wrong pose the first few had.
-  if (alone && map_.viewpoints() == viewpoints) return;
+  if (!map_.maintain(T_odom_lidar)) return;
   for (const MeasuredPoint& point : deskewed_) map_.insert(R * point.p_lidar + t);
 }
 

@@ -31,8 +31,8 @@ class ScanRegistration {
   /// posterior implies. alone: no IMU has ever measured any motion: a scan's own is a guess, and a scan that
   /// contradicts the map is not fused.
   UpdateSummary update(const Scan& scan, bool alone, FilterSnapshot& filter, StageListener* listener);
-  /// Adds the de-skewed segments to the map at the filter's pose; alone only from a new viewpoint.
-  void insert(const InertialState& state, bool alone);
+  /// Adds the de-skewed segments to the map at the filter's pose, when that is a new viewpoint.
+  void insert(const InertialState& state);
 
   /// Of the de-skewed scan.
   std::size_t segments() const { return deskewed_.size(); }

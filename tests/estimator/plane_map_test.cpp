@@ -120,7 +120,7 @@ TEST(PlaneMap, AFrozenVoxelDoesNotFollowLaterPoints) {
   add_plane(map, random, {0, 0, 0.1}, Vector3d::UnitZ(), 0.005, enough);
   const Plane before = *map.plane_at({0.2F, 0.2F, 0.1F});
   add_plane(map, random, {0, 0, 0.2}, Vector3d::UnitZ(), 0.005, enough);
-  for (int i = 0; i < 30; ++i) map.maintain(Vector3f::Zero());
+  for (int i = 0; i < 30; ++i) map.maintain(Pose{});
   const Plane after = *map.plane_at({0.2F, 0.2F, 0.1F});
   EXPECT_NEAR(after.centre.z(), before.centre.z(), 0.01F);
 }
@@ -150,7 +150,7 @@ TEST(PlaneMap, WhereALineGrewIntoASurfaceAPlaneIsFoundAlsoInAFrozenVoxel) {
   ASSERT_EQ(map.plane_at({0.2F, 0.3F, 0.3F}), nullptr);
   for (float x = -2.0F; x < 2.0F; x += 0.05F)
     for (float y = -2.0F; y < 2.0F; y += 0.05F) map.insert({x, y, 0.3F});
-  for (int i = 0; i < 30; ++i) map.maintain(Vector3f::Zero());
+  for (int i = 0; i < 30; ++i) map.maintain(Pose{});
   EXPECT_NE(map.plane_at({0.2F, 0.3F, 0.3F}), nullptr);
 }
 
@@ -174,7 +174,7 @@ TEST(PlaneMap, AfterClearTheNewSurfaceIsNotMixedWithTheOldOne) {
     ASSERT_NE(plane, nullptr) << "round " << round;
     EXPECT_GT(std::abs(plane->normal.cast<double>().dot(normal)), 0.99) << "round " << round;
     map.clear();
-    for (int i = 0; i < 20; ++i) map.maintain(Vector3f::Zero());
+    for (int i = 0; i < 20; ++i) map.maintain(Pose{});
   }
 }
 
@@ -195,9 +195,9 @@ TEST(PlaneMap, WhatIsFarFromTheVehicleIsForgotten) {
   config.max_distance_m = 20.0F;
   PlaneMap map{config};
   add_plane(map, random, Vector3d::Zero(), Vector3d::UnitZ(), 0.01);
-  map.maintain({10, 0, 0});
+  map.maintain({Eigen::Quaterniond::Identity(), {10, 0, 0}});
   EXPECT_NE(map.plane_at(Vector3f::Zero()), nullptr);
-  for (int i = 0; i < 20; ++i) map.maintain({30, 0, 0});
+  for (int i = 0; i < 20; ++i) map.maintain({Eigen::Quaterniond::Identity(), {30, 0, 0}});
   EXPECT_EQ(map.plane_at(Vector3f::Zero()), nullptr);
   EXPECT_EQ(map.size(), 0U);
 }

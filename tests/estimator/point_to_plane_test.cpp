@@ -168,6 +168,30 @@ TEST_F(PointToPlaneInARoom, MoreReturnsNeverWeighLess) {
   }
 }
 
+TEST(PointToPlane, APlaneThatNoBeamCanComeBackFromIsNotMatched) {
+  PlaneMapConfig map_config;
+  map_config.max_voxels = 20'000;
+  PlaneMap map{map_config};
+  std::vector<Eigen::Vector3f> floor;
+  for (float x = 8.0F; x < 12.0F; x += 0.1F) {
+    for (float y = -2.0F; y < 2.0F; y += 0.1F) floor.push_back({x, y, 0.0F});
+  }
+  for (const Eigen::Vector3f& p : floor) map.insert(p);
+  const auto matched_from = [&](double x, double height_m) {
+    InertialState state;
+    state.p_odom_imu = {x, 0.0, height_m};
+    std::vector<MeasuredPoint> points;
+    for (const Eigen::Vector3f& p : floor) points.push_back({p - state.p_odom_imu.cast<float>()});
+    PointToPlane residuals{PointToPlaneConfig{}, floor.size()};
+    residuals.associate(points, state, map);
+    return residuals.linearise(state, Matrix6d::Zero(), false).matched;
+  };
+  EXPECT_EQ(matched_from(0.0, 1.9), floor.size());
+  EXPECT_EQ(matched_from(0.0, 0.3), 0U) << "through the sensor";
+  EXPECT_EQ(matched_from(0.0, -0.3), 0U);
+  EXPECT_EQ(matched_from(-60.0, 1.9), 0U) << "grazed";
+}
+
 TEST_F(PointToPlaneInARoom, PointsThatAreNotFiniteAreNotMatched) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
   const std::vector<MeasuredPoint> points{{{kNan, 0, 0}, 1.0F}, {{0, kInf, 0}, 1.0F}, {{1e30F, 0, 0}, 1.0F}};

@@ -54,8 +54,6 @@ inline void fill_map(PlaneMap& map, const std::vector<Wall>& walls, Random& rand
       }
     }
   }
-  // Seen from many places, as an update demands of a map that it shall believe.
-  for (int i = 0; i < 100; ++i) map.maintain({0.5F * static_cast<float>(i % 2), 0.0F, 0.0F});
 }
 
 /// Points on the walls' inner parts as the LiDAR at `truth` measures them, with noise along the normals.
