@@ -216,6 +216,8 @@ Fields registration_fields(ScanRegistrationConfig& c) {
       {"odometry.update.degenerate_share", &u.degenerate_share, "", kShare, "of all residuals' information, at least"},
       {"odometry.update.degenerate_sigma_m", &u.degenerate_sigma_m, "m", {1e-4, 1},
        "of one scan in the other directions while one is free"},
+      {"odometry.update.unsure_sigma_m", &u.unsure_sigma_m, "m", {1e-4, 10},
+       "of one scan that an unsure velocity has skewed; it does not enter the map either"},
       {"odometry.update.estimate_extrinsic",
        &u.estimate_extrinsic,
        "",

@@ -138,10 +138,11 @@ void forget_free_directions(const IeskfConfig& config, Linearisation& scan, Upda
 
 /// The share of the scan's information that is believed. A free direction is known to an angle of its own, by which the
 /// information on the others leaks into it, scan by scan: while one is free the others are told to a centimetre, not to a
-/// millimetre.
+/// millimetre. Likewise all of a scan that an unsure velocity has skewed.
 double believed(const IeskfConfig& config, const Linearisation& scan, const UpdateSummary& summary) {
-  if (summary.free_translations == 0) return config.information_scale;
-  const double most = 1.0 / (config.degenerate_sigma_m * config.degenerate_sigma_m);
+  if (summary.free_translations == 0 && summary.sure) return config.information_scale;
+  const double sigma_m = summary.sure ? config.degenerate_sigma_m : config.unsure_sigma_m;
+  const double most = 1.0 / (sigma_m * sigma_m);
   return std::min(config.information_scale, most / scan.information.block<3, 3>(I::kPosition, I::kPosition).trace());
 }
 
@@ -153,12 +154,12 @@ UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> p
   InertialState state = filter.state;
   InertialState associated_at = state;
   Matrix6d gate_covariance = filter.covariance.topLeftCorner<6, 6>();
-  const bool sure = position_sigma(filter.covariance) < config.associate_again_m;
-  const std::uint32_t most = sure ? config.max_iterations : config.max_iterations_unsure;
+  summary.sure = position_sigma(filter.covariance) < config.associate_again_m;
+  const std::uint32_t most = summary.sure ? config.max_iterations : config.max_iterations_unsure;
   std::optional<Step> step;
   while (summary.iterations < most && !(step && has_converged(config, step->error()))) {
     const double moved = (state.p_odom_imu - associated_at.p_odom_imu).norm();
-    if (!step || !sure || moved > config.associate_again_m) {
+    if (!step || !summary.sure || moved > config.associate_again_m) {
       residuals.associate(points, state, map);
       associated_at = state;
       if (listener != nullptr) listener->finished(Stage::kAssociate);

@@ -19,12 +19,14 @@ struct IeskfConfig {
   double degenerate_noise_ratio = 1.0;     // information below so many times what noisy normals faked is not believed
   double degenerate_share = 0.002;         // likewise below this share of all the residuals' information
   double degenerate_sigma_m = 0.01;        // of one scan in the other directions while one of position is free
+  double unsure_sigma_m = 0.05;            // of one scan whose prior was not sure (associate_again_m): it is skewed
   bool estimate_extrinsic = false;
 };
 
 /// What one update did.
 struct UpdateSummary {
   bool fused = false;
+  bool sure = true;             // the prior knew the motion, so the scan is not skewed
   std::uint32_t iterations = 0;
   std::uint32_t matched = 0;
   std::uint32_t inliers = 0;

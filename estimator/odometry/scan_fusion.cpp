@@ -54,7 +54,8 @@ void ScanFusion::absorb(const UpdateSummary& update, FilterSnapshot& filter) {
   if (restarted_) ++stats_.map_restarts;
   const NewMap new_map{.defines_odom = searching || !odom_is_told_, .moving = skewed || gives_up};
   if (first || gives_up || skewed) begin_map(new_map, filter);
-  if (unfused_ == 0) registration_.insert(filter.state);
+  const bool spoils_map = !update.sure && had_imu_ && !searching && map().size() > 0;
+  if (unfused_ == 0 && !spoils_map) registration_.insert(filter.state);
   odom_is_told_ = true;
 }
 
