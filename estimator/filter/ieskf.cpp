@@ -140,8 +140,9 @@ void forget_free_directions(const IeskfConfig& config, Linearisation& scan, Upda
 /// information on the others leaks into it, scan by scan: while one is free the others are told to a centimetre, not to a
 /// millimetre. Likewise all of a scan that an unsure velocity has skewed.
 double believed(const IeskfConfig& config, const Linearisation& scan, const UpdateSummary& summary) {
-  if (summary.free_translations == 0 && summary.sure) return config.information_scale;
-  const double sigma_m = summary.sure ? config.degenerate_sigma_m : config.unsure_sigma_m;
+  const bool skewed = !summary.sure && config.unsure_sigma_m > 0.0;
+  if (summary.free_translations == 0 && !skewed) return config.information_scale;
+  const double sigma_m = skewed ? config.unsure_sigma_m : config.degenerate_sigma_m;
   const double most = 1.0 / (sigma_m * sigma_m);
   return std::min(config.information_scale, most / scan.information.block<3, 3>(I::kPosition, I::kPosition).trace());
 }

@@ -19,7 +19,7 @@ struct IeskfConfig {
   double degenerate_noise_ratio = 1.0;     // information below so many times what noisy normals faked is not believed
   double degenerate_share = 0.002;         // likewise below this share of all the residuals' information
   double degenerate_sigma_m = 0.01;        // of one scan in the other directions while one of position is free
-  double unsure_sigma_m = 0.05;            // of one scan whose prior was not sure (associate_again_m): it is skewed
+  double unsure_sigma_m = 0.0;             // of one scan whose prior was not sure (associate_again_m); 0 = as any other
   bool estimate_extrinsic = false;
 };
 

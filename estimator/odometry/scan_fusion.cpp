@@ -30,7 +30,7 @@ UpdateSummary ScanFusion::fuse(const Scan& scan, bool coasted, FilterSnapshot& f
   registration_.deskew(scan, filter.state.T_imu_lidar);
   finished(Stage::kDeskew);
   UpdateSummary update;
-  if (map().size() > 0) update = registration_.update(scan, alone, filter, listener);
+  if (map().size() > 0) update = registration_.update(scan, alone, velocity_search_.is_on(), filter, listener);
   finished(Stage::kSolve);
   absorb(update, filter);
   finished(Stage::kInsert);

@@ -10,16 +10,10 @@ constexpr int kPassesAlone = 3;   // each de-skews by the motion that the one be
 // the next pose is as wrong and sure of it. Good drives stay below 5 from their first metre on.
 constexpr double kMostTestRatioAlone = 6.0;
 
-/// Where no IMU holds the prior it is never sure: its scans are all there is, and the passes take the skew out.
-IeskfConfig alone_config(IeskfConfig config) {
-  config.unsure_sigma_m = 1e-4;
-  return config;
-}
-
-/// Every iteration associates anew.
+/// Where no IMU holds the prior every iteration associates anew.
 IeskfConfig without_imu(IeskfConfig config) {
   config.associate_again_m = 0.0;
-  return alone_config(config);
+  return config;
 }
 
 }  // namespace
@@ -49,16 +43,19 @@ std::size_t ScanRegistration::share_of(std::size_t count) const {
   return share_ < 1.0 ? static_cast<std::size_t>(share_ * static_cast<double>(count)) : count;
 }
 
-UpdateSummary ScanRegistration::update(const Scan& scan, bool alone, FilterSnapshot& filter,
+UpdateSummary ScanRegistration::update(const Scan& scan, bool alone, bool searching, FilterSnapshot& filter,
                                        StageListener* listener) {
   // A prior that is off by more went wrong before this scan, and says nothing of the motion during it.
   constexpr double kMostSigma_m = 0.3;
   const auto position = filter.covariance.block<3, 3>(ErrorIndex::kPosition, ErrorIndex::kPosition);
   const bool sure = position.trace() < kMostSigma_m * kMostSigma_m;
-  if (!alone) return pass(scan, config_.update, filter, listener);
+  if (!alone) {
+    IeskfConfig config = config_.update;
+    if (!searching) config.unsure_sigma_m = config_.skewed_sigma_m;
+    return pass(scan, config, filter, listener);
+  }
   const FilterSnapshot prior = filter;
-  UpdateSummary summary = pass(scan, sure ? without_imu(config_.update) : alone_config(config_.update), filter,
-                               listener);
+  UpdateSummary summary = pass(scan, sure ? without_imu(config_.update) : config_.update, filter, listener);
   for (int i = 1; sure && summary.fused && i < kPassesAlone; ++i) {
     filter = prior;
     summary = pass(scan, without_imu(config_.update), filter, listener);
