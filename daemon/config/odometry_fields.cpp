@@ -217,7 +217,7 @@ Fields registration_fields(ScanRegistrationConfig& c) {
       {"odometry.update.degenerate_sigma_m", &u.degenerate_sigma_m, "m", {1e-4, 1},
        "of one scan in the other directions while one is free"},
       {"odometry.update.skewed_sigma_m", &c.skewed_sigma_m, "m", {0, 10},
-       "of one scan taken while the velocity was not known any more; it does not enter the map either"},
+       "of the first scan after a gap that left the prior unsure; it does not enter the map either"},
       {"odometry.update.estimate_extrinsic",
        &u.estimate_extrinsic,
        "",

@@ -5,6 +5,12 @@
 
 namespace slamd {
 
+namespace {
+
+constexpr Duration kGap = std::chrono::milliseconds{300};  // between the ends of scans
+
+}  // namespace
+
 ScanFusion::ScanFusion(const Pose& T_base_imu, const ScanFusionConfig& config)
     : T_base_imu_{T_base_imu},
       config_{config},
@@ -27,19 +33,21 @@ UpdateSummary ScanFusion::fuse(const Scan& scan, bool coasted, FilterSnapshot& f
   const auto finished = [listener](Stage stage) {
     if (listener != nullptr) listener->finished(stage);
   };
+  const bool after_gap = !velocity_search_.is_on() && !alone && scan.end - fused_at_ > kGap;
   registration_.deskew(scan, filter.state.T_imu_lidar);
   finished(Stage::kDeskew);
   UpdateSummary update;
-  if (map().size() > 0) update = registration_.update(scan, alone, velocity_search_.is_on(), filter, listener);
+  if (map().size() > 0) update = registration_.update(scan, alone, after_gap, filter, listener);
   finished(Stage::kSolve);
-  absorb(update, filter);
+  if (update.fused) fused_at_ = scan.end;
+  absorb(update, after_gap, filter);
   finished(Stage::kInsert);
   return update;
 }
 
 /// What the update means for the map. While the velocity is being found scans are skewed by what is wrong with it, so each
 /// is compared with the one before only.
-void ScanFusion::absorb(const UpdateSummary& update, FilterSnapshot& filter) {
+void ScanFusion::absorb(const UpdateSummary& update, bool after_gap, FilterSnapshot& filter) {
   const bool makes_map = registration_.segments() >= config_.registration.update.min_inliers;
   const bool first = map().size() == 0 && makes_map;
   const bool searching = velocity_search_.is_on();
@@ -54,7 +62,7 @@ void ScanFusion::absorb(const UpdateSummary& update, FilterSnapshot& filter) {
   if (restarted_) ++stats_.map_restarts;
   const NewMap new_map{.defines_odom = searching || !odom_is_told_, .moving = skewed || gives_up};
   if (first || gives_up || skewed) begin_map(new_map, filter);
-  const bool spoils_map = !update.sure && had_imu_ && !searching && map().size() > 0;
+  const bool spoils_map = after_gap && !update.sure && map().size() > 0;
   if (unfused_ == 0 && !spoils_map) registration_.insert(filter.state);
   odom_is_told_ = true;
 }

@@ -51,7 +51,7 @@ class ScanFusion {
   const ScanFusionStats& stats() const { return stats_; }
 
  private:
-  void absorb(const UpdateSummary& update, FilterSnapshot& filter);
+  void absorb(const UpdateSummary& update, bool after_gap, FilterSnapshot& filter);
   struct NewMap {
     bool defines_odom;   // no pose was told yet that it could contradict
     bool moving;         // its first scans are skewed
@@ -64,6 +64,7 @@ class ScanFusion {
   VelocitySearch velocity_search_;
   KeyframeRelation relation_;
   std::uint32_t unfused_ = 0;
+  HostTime fused_at_{};         // end of the newest scan that the filter took
   bool had_imu_ = true;         // at any time since the start; without, the LiDAR is alone and believed whole
   bool odom_is_told_ = false;   // poses of this odom are out: a new map must carry their uncertainty on
   bool restarted_ = false;

@@ -43,7 +43,7 @@ std::size_t ScanRegistration::share_of(std::size_t count) const {
   return share_ < 1.0 ? static_cast<std::size_t>(share_ * static_cast<double>(count)) : count;
 }
 
-UpdateSummary ScanRegistration::update(const Scan& scan, bool alone, bool searching, FilterSnapshot& filter,
+UpdateSummary ScanRegistration::update(const Scan& scan, bool alone, bool after_gap, FilterSnapshot& filter,
                                        StageListener* listener) {
   // A prior that is off by more went wrong before this scan, and says nothing of the motion during it.
   constexpr double kMostSigma_m = 0.3;
@@ -51,7 +51,7 @@ UpdateSummary ScanRegistration::update(const Scan& scan, bool alone, bool search
   const bool sure = position.trace() < kMostSigma_m * kMostSigma_m;
   if (!alone) {
     IeskfConfig config = config_.update;
-    if (!searching) config.unsure_sigma_m = config_.skewed_sigma_m;
+    if (after_gap) config.unsure_sigma_m = config_.skewed_sigma_m;
     return pass(scan, config, filter, listener);
   }
   const FilterSnapshot prior = filter;

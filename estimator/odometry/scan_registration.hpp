@@ -12,7 +12,7 @@ struct ScanRegistrationConfig {
   PlaneMapConfig map;
   PointToPlaneConfig point_to_plane;
   IeskfConfig update;
-  double skewed_sigma_m = 0.05;       // of a scan taken while the velocity was not known any more
+  double skewed_sigma_m = 0.05;       // of the first scan after a gap that made the prior unsure
   std::uint32_t max_points = 3'500;   // segments that take part in one update, evenly chosen
 };
 
@@ -31,8 +31,8 @@ class ScanRegistration {
   /// Fuses the de-skewed segments; see slamd::update. When it did, the segments are de-skewed anew by the motion that the
   /// posterior implies. alone: no IMU has ever measured any motion: a scan's own is a guess, and a scan that
   /// contradicts the map is not fused.
-  /// searching: the velocity has never been known: skewed scans are all there is.
-  UpdateSummary update(const Scan& scan, bool alone, bool searching, FilterSnapshot& filter, StageListener* listener);
+  /// after_gap: no scan before it for long; where the prior became unsure meanwhile its velocity has skewed the scan.
+  UpdateSummary update(const Scan& scan, bool alone, bool after_gap, FilterSnapshot& filter, StageListener* listener);
   /// Adds the de-skewed segments to the map at the filter's pose, when that is a new viewpoint.
   void insert(const InertialState& state);
 
