@@ -15,7 +15,7 @@ struct MapDriftConfig {
   double attitude_rad_rtm = 5.0e-6;      // radians per root metre
   double first_tilt_rad = 2.0e-4;        // roll and pitch of a map begun at one place
   double first_heading_rad = 5.0e-5;
-  double first_position_m = 2.0e-3;
+  double first_position_m = 4.0e-3;
   // Of a pose in its map where scans hold it. Noise up to this returns to the map with the next scan, beyond it adds up.
   double held_position_m = 3.0e-3;
   double held_attitude_rad = 3.0e-4;
