@@ -140,7 +140,7 @@ class ServiceTest(unittest.TestCase):
 
     def test_it_is_ready_and_its_status_line_says_how_all_stands(self):
         self.assertEqual(self.machine.show("slamd", "Type"), "notify")
-        await_value("every sensor", lambda: self.status() == "TRACKING; lidar healthy, imu healthy, gnss healthy", 30.0)
+        await_value("every sensor", lambda: self.status() == "TRACKING; lidar healthy, imu healthy, gnss healthy, checkpoint healthy", 30.0)
 
     def test_members_of_the_group_get_the_pose_and_others_are_refused(self):
         answer = self.as_user("driver", "slamctl", "pose", "--json")
