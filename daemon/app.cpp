@@ -189,8 +189,24 @@ void App::watch(Watchdog& watchdog) {
 }
 
 void App::stop() {
-  server_.stop();
-  while (!workers_.empty()) workers_.pop_back();
+  if (workers_.empty()) return;
+  hurry(pthread_self());
+  for (const auto& worker : workers_) worker->hurry();
+  std::string slowest;
+  Duration longest{-1};
+  const HostTime begin = host_now();
+  const auto end = [&](const std::string& part, const auto& stop_it) {
+    const HostTime asked = host_now();
+    stop_it();
+    const Duration took = host_now() - asked;
+    if (took <= longest) return;
+    longest = took;
+    slowest = part;
+  };
+  end("slamd-server", [this] { server_.stop(); });
+  while (!workers_.empty()) end(workers_.back()->name(), [this] { workers_.pop_back(); });
+  log_.write(LogLevel::kInfo, "service state=stopped took_s=" + std::to_string(to_seconds(host_now() - begin)) +
+                                  " slowest=" + slowest + " slowest_s=" + std::to_string(to_seconds(longest)));
 }
 
 template <class Part>

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <ctime>
 #include <optional>
 #include <type_traits>
 
@@ -24,10 +25,16 @@ class LatestValue {
     block_.store(words);
   }
 
-  /// Any thread. The newest value; nullopt before the first store(). Costs about as much as copying T twice.
+  /// Any thread but a real-time one, which might wait here for the writer: one that was put to sleep inside store() is waited for.
+  /// The newest value; nullopt before the first store(), or after a second of waiting. Costs about as much as copying T twice.
   std::optional<T> load() const {
+    constexpr int kNaps = 1000;
+    constexpr timespec kNap{0, 1'000'000};
     typename Block::Words words;
-    if (!block_.load(words)) return std::nullopt;
+    for (int naps = 0; !block_.load(words); ++naps) {
+      if (!block_.begun() || naps == kNaps) return std::nullopt;
+      clock_nanosleep(CLOCK_MONOTONIC, 0, &kNap, nullptr);
+    }
     T value;
     std::memcpy(static_cast<void*>(&value), words.data(), sizeof(T));
     return value;

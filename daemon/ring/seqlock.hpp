@@ -41,6 +41,9 @@ class Seqlock {
     return false;
   }
 
+  /// Any thread. False when nothing was ever stored, nor is being stored for the first time.
+  bool begun() const { return sequence_.load(std::memory_order_acquire) != 0; }
+
   /// Any thread. Completed stores so far.
   std::uint64_t stores() const { return sequence_.load(std::memory_order_acquire) / 2; }
 

@@ -45,6 +45,12 @@ Result<void> enter_schedule(const ThreadSchedule& schedule) {
   return outcome;
 }
 
+void hurry(pthread_t thread) {
+  sched_param parameter{};
+  parameter.sched_priority = sched_get_priority_min(SCHED_FIFO);
+  pthread_setschedparam(thread, SCHED_FIFO, &parameter);
+}
+
 void keep_stacks_small() {
   pthread_attr_t thread_defaults;
   pthread_attr_init(&thread_defaults);

@@ -1,6 +1,8 @@
 #pragma once
 // Scheduling of the calling thread and memory locking of the process. What the thread does is not known here.
 
+#include <pthread.h>
+
 #include "daemon/ring/unique_fd.hpp"
 #include "estimator/types/result.hpp"
 
@@ -28,6 +30,9 @@ struct ThreadSchedule {
 /// Names the calling thread, pins it, prefaults its stack and asks for its priority. Every step is tried even when one
 /// fails; the first failure's reason comes back, and the thread goes on without what it was not given.
 Result<void> enter_schedule(const ThreadSchedule& schedule);
+
+/// Puts a thread before all that is not real-time, with the least priority of SCHED_FIFO; where that is not permitted it stays as it is.
+void hurry(pthread_t thread);
 
 /// Threads of the process that are started from now on get a stack of 2 MiB: a locked stack is resident as a whole.
 /// Call before the first thread starts.

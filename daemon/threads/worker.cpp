@@ -9,6 +9,10 @@ Worker::Worker(const ThreadSchedule& schedule, Body body)
   running_.wait(false, std::memory_order_acquire);
 }
 
+void Worker::hurry() {
+  if (schedule_.priority == 0) slamd::hurry(thread_.native_handle());
+}
+
 void Worker::run(const std::stop_token& stop, const Body& body) {
   scheduled_ = enter_schedule(schedule_);
   running_.store(true, std::memory_order_release);

@@ -19,6 +19,9 @@ class Worker {
   ~Worker() = default;  // requests the stop and joins
 
   void request_stop() { thread_.request_stop(); }
+  /// For the end of the daemon: a thread without a priority gets one, where that is permitted, so that what it still has to write is
+  /// not kept waiting by a busy machine.
+  void hurry();
   const char* name() const { return schedule_.name; }
   /// What the kernel did not grant of the schedule, if anything.
   const Result<void>& scheduled() const { return scheduled_; }

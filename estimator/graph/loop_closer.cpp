@@ -64,11 +64,15 @@ std::size_t LoopCloser::bytes() const {
          passed_.size() * (sizeof(Passed) + sizeof(LoopClosure)) + agreements + reports_.size() * sizeof(LoopCandidateReport);
 }
 
-bool LoopCloser::update(const GraphView& view) {
+bool LoopCloser::update(const GraphView& view, const Cancelled& cancelled) {
   describe_restored(view);
   const std::vector<std::size_t> before = believed_;
   const std::size_t size = std::min({clouds_.size(), view.keyframes.size(), view.odometry.size()});
-  for (; next_ + config_.keyframes_ahead < size; next_ += config_.search_every) look_from(view, next_);
+  while (next_ + config_.keyframes_ahead < size) {
+    look_from(view, next_);
+    next_ += config_.search_every;
+    if (cancelled && cancelled()) break;
+  }
   collect();
   return believed_ != before;
 }

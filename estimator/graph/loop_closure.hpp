@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -59,6 +60,9 @@ struct GraphView {
   const OdometryChain& odometry;
 };
 
+/// Asked often by a work that is long; true = stop soon. Empty: never.
+using Cancelled = std::function<bool()>;
+
 /// Finds and verifies closures. Called by the mapper alone, one thread; deterministic.
 class LoopSource {
  public:
@@ -75,8 +79,9 @@ class LoopSource {
     static_cast<void>(keyframe);
     return {};
   }
-  /// Looks at keyframes that were not looked at so far. True when closures() is another set than before.
-  virtual bool update(const GraphView& view) = 0;
+  /// Looks at keyframes that were not looked at so far; when cancelled at one of them at least, at the others the next time. True when
+  /// closures() is another set than before.
+  virtual bool update(const GraphView& view, const Cancelled& cancelled = {}) = 0;
   /// All closures that hold now: what is missing here is not in the graph any more.
   virtual std::span<const LoopClosure> closures() const = 0;
   /// After each solve: robust weight of each of closures(), in their order, 0 = contradicted by the rest, 1 = fits. The

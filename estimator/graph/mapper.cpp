@@ -101,19 +101,19 @@ std::size_t Mapper::bytes() const {
 
 bool Mapper::solve(const Cancelled& cancelled) {
   if (keyframes_.empty()) return false;
-  const bool asked = ask_sources();
+  const bool asked = ask_sources(cancelled);
   pending_ = pending_ || asked || grown(config_.resolve_growth, kLeastGrowth);
   return pending_ && grown(config_.closure_growth, 1.0) && solve_whole(cancelled);
 }
 
 bool Mapper::finish() {
   if (keyframes_.empty()) return false;
-  ask_sources();
+  ask_sources({});
   return solve_whole({});
 }
 
-bool Mapper::ask_sources() {
-  const bool closed = loops_ && loops_->update(view());
+bool Mapper::ask_sources(const Cancelled& cancelled) {
+  const bool closed = loops_ && loops_->update(view(), cancelled);
   const bool positioned = positions_ && positions_->update(view(), enu_);
   return closed || positioned;
 }

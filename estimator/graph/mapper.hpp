@@ -40,9 +40,6 @@ class Mapper {
   /// odometry of then. Their stamps are moved to end before `now`. Only on an empty mapper.
   void restore(StoredMap map, HostTime now);
 
-  /// Asked often while solve() works; true = stop soon. Empty: never.
-  using Cancelled = std::function<bool()>;
-
   /// Searches for closures and solves the whole graph if a closure, GPS or growth asks for it, from where it is; so that the
   /// cost of a drive stays linear, not before the drive has grown by config.closure_growth. True when solution() is a new one. When cancelled, what was reached is kept for the next call but not published.
   bool solve(const Cancelled& cancelled = {});
@@ -81,7 +78,7 @@ class Mapper {
  private:
   void keep(const Keyframe& keyframe);
   std::optional<StoredEnu> stored_enu() const;
-  bool ask_sources();
+  bool ask_sources(const Cancelled& cancelled);
   bool grown(double share, double at_least) const;
   bool solve_whole(const Cancelled& cancelled);
   void publish(const MapGraphSolve& solve);

@@ -31,6 +31,29 @@ TEST(Worker, RunsItsBodyUnderItsNameUntilAskedToStop) {
   EXPECT_STREQ(name.c_str(), "slamd-test");
 }
 
+TEST(Worker, HurriesAThreadWithoutAPriorityAndNoOther) {
+  const auto policy_after_hurry = [](int priority) {
+    std::atomic<int> policy{-1};
+    std::atomic<bool> hurried{false};
+    Worker worker{{"slamd-test", priority}, [&](const std::stop_token&) {
+                    while (!hurried) std::this_thread::yield();
+                    sched_param parameter{};
+                    int now = -1;
+                    pthread_getschedparam(pthread_self(), &now, &parameter);
+                    policy = now * 1000 + parameter.sched_priority;
+                  }};
+    worker.hurry();
+    const bool permitted = static_cast<bool>(worker.scheduled());
+    hurried = true;
+    while (policy == -1) std::this_thread::yield();
+    return permitted ? policy.load() : -1;
+  };
+  const int of_its_own = policy_after_hurry(7);
+  if (of_its_own == -1) GTEST_SKIP() << "SCHED_FIFO is not permitted here";
+  EXPECT_EQ(of_its_own, SCHED_FIFO * 1000 + 7);
+  EXPECT_EQ(policy_after_hurry(0), SCHED_FIFO * 1000 + 1);
+}
+
 TEST(Worker, AnExceptionEndsTheThreadOnlyAndIsReported) {
   Worker worker{{"slamd-test"}, [](const std::stop_token&) { throw std::runtime_error{"broken"}; }};
   while (!worker.failed()) std::this_thread::yield();

@@ -70,6 +70,24 @@ LoopCloser run(const Lap& lap, const LoopCloserConfig& config = nothing_held()) 
   return closer;
 }
 
+TEST(LoopCloser, ASearchThatIsCancelledAtEveryKeyframeFindsTheSameInTheEnd) {
+  const Lap lap{3};
+  const LoopCloser whole = run(lap);
+  LoopCloser closer{nothing_held(), test::kLidarInBase};
+  for (const Keyframe& keyframe : lap.keyframes) closer.add(keyframe);
+  int updates = 0;
+  for (std::size_t before = 1; before != closer.reports().size() || updates < 100; ++updates) {
+    before = closer.reports().size();
+    closer.update(lap.view(), [] { return true; });
+  }
+  ASSERT_FALSE(whole.closures().empty());
+  ASSERT_EQ(closer.closures().size(), whole.closures().size());
+  for (std::size_t i = 0; i < whole.closures().size(); ++i) {
+    EXPECT_EQ(closer.closures()[i].from, whole.closures()[i].from);
+    EXPECT_EQ(closer.closures()[i].to, whole.closures()[i].to);
+  }
+}
+
 TEST(LoopCloser, ClosesTheLapWithinCentimetres) {
   const Lap lap{1};
   const LoopCloser closer = run(lap);

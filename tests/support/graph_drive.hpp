@@ -83,7 +83,7 @@ struct ScriptedLoops : LoopSource {
   std::vector<double> weights;
 
   void add(const Keyframe&) override {}
-  bool update(const GraphView&) override { return std::exchange(changed, false); }
+  bool update(const GraphView&, const Cancelled& = {}) override { return std::exchange(changed, false); }
   std::span<const LoopClosure> closures() const override { return now; }
   void weigh(std::span<const double> w) override { weights.assign(w.begin(), w.end()); }
   std::span<const LoopCandidateReport> reports() const override { return {}; }

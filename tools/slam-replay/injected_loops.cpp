@@ -11,8 +11,8 @@ constexpr double kElsewhere_m = 10.0;  // so far from each other two keyframes a
 }  // namespace
 
 /// Half of the wrong pairs come as two places that look alike, half as odometry has them.
-bool InjectedLoops::update(const GraphView& view) {
-  bool changed = closer_.update(view);
+bool InjectedLoops::update(const GraphView& view, const Cancelled& cancelled) {
+  bool changed = closer_.update(view, cancelled);
   for (; next_ + kAhead < view.odometry.size(); next_ += kEvery) {
     const bool wanted = std::uniform_real_distribution<>{0.0, 1.0}(random_) < share_;
     if (!wanted || next_ < kApart) continue;

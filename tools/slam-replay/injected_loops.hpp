@@ -14,7 +14,7 @@ class InjectedLoops final : public LoopSource {
   InjectedLoops(LoopCloser closer, double share) : closer_{std::move(closer)}, share_{share} {}
 
   void add(const Keyframe& keyframe) override { closer_.add(keyframe); }
-  bool update(const GraphView& view) override;
+  bool update(const GraphView& view, const Cancelled& cancelled = {}) override;
   std::span<const LoopClosure> closures() const override { return closer_.closures(); }
   void weigh(std::span<const double> weights) override { closer_.weigh(weights); }
   std::span<const LoopCandidateReport> reports() const override { return closer_.reports(); }
