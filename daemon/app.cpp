@@ -21,6 +21,21 @@ std::string utc_name() {
   return {text.data(), size};
 }
 
+/// What an earlier run had learnt of the sensors, as the configuration of this one: so it is in a recording as well, and replays.
+Config with_what_was_learnt(Config config, const Result<StoredMap>& left) {
+  if (!left || left->keyframes.empty()) return config;
+  const StoredSensors& sensors = left->sensors;
+  const auto is_sound = [](const Eigen::Vector3d& bias) { return bias.cwiseAbs().maxCoeff() <= kMostKnownBias; };
+  if (!is_sound(sensors.gyro_bias_rads) || !is_sound(sensors.accel_bias_mps2)) return config;
+  InitialisationConfig& start = config.odometry.start.initialisation;
+  start.known_gyro_bias_rads = sensors.gyro_bias_rads;
+  start.known_accel_bias_mps2 = sensors.accel_bias_mps2;
+  if (config.odometry.fusion.registration.update.estimate_extrinsic) {
+    config.vehicle.T_base_lidar = config.vehicle.T_base_imu * sensors.T_imu_lidar;
+  }
+  return config;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<App>> App::open(const Config& config, const std::string& version,
@@ -31,21 +46,25 @@ Result<std::unique_ptr<App>> App::open(const Config& config, const std::string& 
   auto streams = std::make_unique<Streams>();
   Result<LidarThread> lidar = LidarThread::open(config.lidar, config.vlp16, *streams);
   if (!lidar) return Error{lidar.reason()};
-  std::unique_ptr<App> app{
-      new App{config, version, std::move(publisher).value(), std::move(streams), std::move(lidar).value()}};
-  app->resume();
-  Result<std::unique_ptr<Recorder>> recorder = Recorder::open(record_folder, print_config(config), config.flight_recorder);
+
+  const std::string checkpoint = config.checkpoint.path();
+  Result<StoredMap> left = checkpoint.empty() ? StoredMap{} : load_checkpoint(checkpoint, config.vehicle);
+  const Config running = with_what_was_learnt(config, left);
+  Result<std::unique_ptr<Recorder>> recorder = Recorder::open(record_folder, print_config(running), config.flight_recorder);
   if (!recorder) return Error{recorder.reason()};
+
+  std::unique_ptr<App> app{
+      new App{config, running, version, std::move(publisher).value(), std::move(streams), std::move(lidar).value()}};
+  app->resume(std::move(left));
   app->record(std::move(recorder).value());
   if (!record_folder.empty()) app->watch_recording();
   return app;
 }
 
 /// Takes over the map of the daemon before this one; whether the vehicle is still in it is for the first scans to say.
-void App::resume() {
+void App::resume(Result<StoredMap> map) {
   mapping_.keep_checkpoints(checkpoints_);
-  const std::string path = config_.checkpoint.path();
-  if (path.empty()) return;
+  if (config_.checkpoint.path().empty()) return;
   supervisor_.watch_source("checkpoint", [this] {
     const CheckpointReport report = checkpoints_.report();
     SourceHealth health;
@@ -53,14 +72,14 @@ void App::resume() {
     health.reason = report.reason;
     return health;
   });
-  Result<StoredMap> map = load_checkpoint(path, config_.vehicle);
   if (!map) {
     log_.write(LogLevel::kWarning, std::string{"checkpoint state=refused, the map begins anew: reason=\""} + map.reason() + '"');
     return;
   }
   const std::size_t keyframes = map->keyframes.size();
   if (keyframes == 0) return log_.write(LogLevel::kInfo, "checkpoint state=none, the map begins anew");
-  log_.write(LogLevel::kInfo, "checkpoint state=read keyframes=" + std::to_string(keyframes));
+  log_.write(LogLevel::kInfo, "checkpoint state=read keyframes=" + std::to_string(keyframes) + " closures=" +
+                                  std::to_string(map->closures.size()));
   imu_.begin_at(map->T_map_base);
   mapping_.restore(std::move(map).value(), config_.back_end.loops.clouds.grid);
 }
@@ -87,9 +106,9 @@ void App::watch_recording() {
   });
 }
 
-App::App(const Config& config, const std::string& version, PosePublisher publisher, std::unique_ptr<Streams> streams,
-         LidarThread lidar)
-    : config_{config},
+App::App(const Config& configured, const Config& config, const std::string& version, PosePublisher publisher,
+         std::unique_ptr<Streams> streams, LidarThread lidar)
+    : config_{configured},
       log_{config.log},
       publisher_{std::move(publisher)},
       map_{config.map, config.vehicle.T_base_lidar},
@@ -100,7 +119,7 @@ App::App(const Config& config, const std::string& version, PosePublisher publish
            publisher_},
       gnss_{config.gnss, config.nmea, *streams_},
       estimator_{config.estimator, config.vehicle, config.odometry, *streams_},
-      checkpoints_{config.checkpoint, config.vehicle},
+      checkpoints_{config.checkpoint, configured.vehicle},
       mapping_{make_relocaliser(config.back_end, config.vehicle), *streams_, map_, trajectory_},
       health_{host_now()},
       supervisor_{config.log.repeat_period,

@@ -55,15 +55,16 @@ class App {
   const Histogram& scan_latency() const { return estimator_.scan_latency(); }  // end of a scan to its posterior
 
  private:
-  App(const Config& config, const std::string& version, PosePublisher publisher, std::unique_ptr<Streams> streams,
-      LidarThread lidar);
+  /// configured  as the operator said, for reloads; config  with what a checkpoint knows better
+  App(const Config& configured, const Config& config, const std::string& version, PosePublisher publisher,
+      std::unique_ptr<Streams> streams, LidarThread lidar);
 
   template <class Part>
   void start_thread(const ThreadSchedule& schedule, Part& part);
   void tell_refusals(std::set<std::string> reasons);
   void record(std::unique_ptr<Recorder> recorder);
   void watch_recording();
-  void resume();
+  void resume(Result<StoredMap> map);
   void tell_map_events();
   void dump_when_lost(HostTime now);
   void register_probes();

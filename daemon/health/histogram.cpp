@@ -21,7 +21,7 @@ std::uint64_t Histogram::middle_ns(std::size_t bucket) {
   return lowest + ((std::uint64_t{1} << shift) / 2);
 }
 
-void Histogram::record(Duration duration) {
+void Histogram::record(Duration duration) SLAMD_NONBLOCKING {
   const auto ns = static_cast<std::uint64_t>(std::max<std::int64_t>(duration.count(), 0));
   std::atomic<std::uint64_t>& count = counts_[bucket(ns)];
   count.store(count.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "daemon/ring/nonblocking.hpp"
 #include "estimator/types/time.hpp"
 
 namespace slamd {
@@ -21,7 +22,7 @@ struct Percentiles {
 class Histogram {
  public:
   /// Writer only. Wait-free; negative durations count as zero, longer ones as the last bucket.
-  void record(Duration duration);
+  void record(Duration duration) SLAMD_NONBLOCKING;
 
   /// Any thread.
   Percentiles percentiles() const;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "daemon/ring/nonblocking.hpp"
 #include "daemon/ring/seqlock.hpp"
 
 namespace slamd {
@@ -19,7 +20,7 @@ class LatestValue {
 
  public:
   /// Writer only. Wait-free, no allocation.
-  void store(const T& value) {
+  void store(const T& value) SLAMD_NONBLOCKING {
     typename Block::Words words{};
     std::memcpy(words.data(), &value, sizeof(T));
     block_.store(words);

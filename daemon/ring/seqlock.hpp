@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "daemon/ring/nonblocking.hpp"
+
 namespace slamd {
 
 template <std::size_t kWords>
@@ -16,7 +18,7 @@ class Seqlock {
   static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
   /// Writer only. Wait-free.
-  void store(const Words& words) {
+  void store(const Words& words) SLAMD_NONBLOCKING {
     const std::uint64_t sequence = sequence_.load(std::memory_order_relaxed);
     sequence_.store(sequence + 1, std::memory_order_relaxed);  // odd: a write is under way
     // Release on each word: a reader that sees any new word also sees the odd sequence, or a later one.

@@ -11,6 +11,8 @@
 #include <memory>
 #include <type_traits>
 
+#include "daemon/ring/nonblocking.hpp"
+
 namespace slamd {
 
 /// What a ring has seen since its construction; readable from any thread while both sides run.
@@ -38,7 +40,7 @@ class SpscRing {
   }
 
   /// Producer only. Copies the item in; false (and counted) when the ring is full. Wait-free.
-  bool try_push(const T& item) {
+  bool try_push(const T& item) SLAMD_NONBLOCKING {
     T* slot = claim();
     if (slot == nullptr) return false;
     *slot = item;
@@ -48,7 +50,7 @@ class SpscRing {
 
   /// Producer only. The next free slot to be written in place (it holds an old item), or nullptr, counted as a drop,
   /// when the ring is full. The consumer sees the slot after commit(); without commit() nothing happens.
-  T* claim() {
+  T* claim() SLAMD_NONBLOCKING {
     const std::uint64_t head = head_.load(std::memory_order_relaxed);
     if (head - cached_tail_ > mask_) {
       cached_tail_ = tail_.load(std::memory_order_acquire);  // pairs with pop(): the slot's reader is done
@@ -61,7 +63,7 @@ class SpscRing {
   }
 
   /// Producer only, once after each successful claim().
-  void commit() {
+  void commit() SLAMD_NONBLOCKING {
     const std::uint64_t head = head_.load(std::memory_order_relaxed) + 1;
     head_.store(head, std::memory_order_release);  // pairs with front(): the slot's content is written
     const std::uint64_t high_water = high_water_.load(std::memory_order_relaxed);
@@ -71,7 +73,7 @@ class SpscRing {
   }
 
   /// Consumer only. The oldest item, to be read in place, or nullptr when there is none. Valid until pop().
-  T* front() {
+  T* front() SLAMD_NONBLOCKING {
     const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
     if (tail == cached_head_) {
       cached_head_ = head_.load(std::memory_order_acquire);  // pairs with commit()
@@ -81,7 +83,7 @@ class SpscRing {
   }
 
   /// Consumer only, after front() gave an item.
-  void pop() {
+  void pop() SLAMD_NONBLOCKING {
     const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
     assert(tail != cached_head_);
     tail_.store(tail + 1, std::memory_order_release);  // pairs with claim()

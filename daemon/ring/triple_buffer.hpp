@@ -7,16 +7,18 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "daemon/ring/nonblocking.hpp"
+
 namespace slamd {
 
 template <class T>
 class TripleBuffer {
  public:
   /// Writer only. The slot to fill in place; it holds some older value. Becomes visible with publish().
-  T& back() { return slots_[back_]; }
+  T& back() SLAMD_NONBLOCKING { return slots_[back_]; }
 
   /// Writer only. Makes back() the newest value.
-  void publish() {
+  void publish() SLAMD_NONBLOCKING {
     // acq_rel: hands the filled slot over, and takes back one that the reader has finished with.
     back_ = middle_.exchange(static_cast<std::uint8_t>(back_ | kFresh), std::memory_order_acq_rel) & kIndex;
   }
@@ -28,7 +30,7 @@ class TripleBuffer {
   }
 
   /// Reader only. The newest value, to be read in place until the next call; nullptr before the first publish().
-  const T* load() {
+  const T* load() SLAMD_NONBLOCKING {
     if ((middle_.load(std::memory_order_relaxed) & kFresh) != 0) {
       front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kIndex;
       seen_ = true;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/ring/nonblocking.hpp"
+
 namespace slamd {
 namespace {
 
@@ -48,6 +50,7 @@ void PosePublisher::publish(const NavState& state, const Pose& T_map_odom, std::
 
   const std::uint64_t one = 1;
   // A full counter (EAGAIN) means that the server has not read 2^64 wake-ups: it is awake already.
+  const NonblockingByKnowledge eventfd;  // EFD_NONBLOCK
   [[maybe_unused]] const ssize_t written = ::write(wake_.get(), &one, sizeof one);
 }
 

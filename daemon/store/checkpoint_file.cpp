@@ -134,9 +134,40 @@ StoredKeyframe read_keyframe(Reader& in) {
   return keyframe;
 }
 
+void write(Writer& out, const StoredSensors& sensors) {
+  out.numbers({sensors.gyro_bias_rads.data(), 3});
+  out.numbers({sensors.accel_bias_mps2.data(), 3});
+  out.pose(sensors.T_imu_lidar);
+}
+
+StoredSensors read_sensors(Reader& in) {
+  StoredSensors sensors;
+  in.numbers({sensors.gyro_bias_rads.data(), 3});
+  in.numbers({sensors.accel_bias_mps2.data(), 3});
+  sensors.T_imu_lidar = in.pose();
+  return sensors;
+}
+
+void write(Writer& out, const StoredClosure& closure) {
+  out.number(closure.from);
+  out.number(closure.to);
+  out.pose(closure.T_from_to);
+  out.numbers({closure.covariance.data(), 36});
+}
+
+StoredClosure read_closure(Reader& in) {
+  StoredClosure closure;
+  closure.from = in.number<std::uint32_t>();
+  closure.to = in.number<std::uint32_t>();
+  closure.T_from_to = in.pose();
+  in.numbers({closure.covariance.data(), 36});
+  return closure;
+}
+
 Result<StoredMap> read_map(Reader& in) {
   StoredMap map;
   map.T_map_base = in.pose();
+  map.sensors = read_sensors(in);
   map.enu_valid = in.number<std::uint32_t>() != 0;
   if (map.enu_valid) map.enu = read_enu(in);
   const auto count = in.number<std::uint32_t>();
@@ -144,6 +175,12 @@ Result<StoredMap> read_map(Reader& in) {
     map.keyframes.push_back(read_keyframe(in));
     const bool in_order = i == 0 || map.keyframes[i - 1].time < map.keyframes[i].time;
     if (!in_order) return Error{"the checkpoint's keyframes are out of order"};
+  }
+  const auto closures = in.number<std::uint32_t>();
+  for (std::uint32_t i = 0; i < closures && in.good(); ++i) {
+    map.closures.push_back(read_closure(in));
+    const StoredClosure& closure = map.closures.back();
+    if (closure.from >= closure.to || closure.to >= map.keyframes.size()) return Error{"the checkpoint's closures are of no keyframes"};
   }
   if (!in.at_end()) return Error{"the checkpoint's content is unsound"};
   return map;
@@ -158,10 +195,13 @@ std::vector<std::uint8_t> encode(const StoredMap& map, const VehicleGeometry& ve
   out.number(std::uint32_t{0});  // CRC-32, below
   write(out, vehicle);
   out.pose(map.T_map_base);
+  write(out, map.sensors);
   out.number(static_cast<std::uint32_t>(map.enu_valid ? 1 : 0));
   if (map.enu_valid) write(out, map.enu);
   out.number(static_cast<std::uint32_t>(map.keyframes.size()));
   for (const StoredKeyframe& keyframe : map.keyframes) write(out, keyframe);
+  out.number(static_cast<std::uint32_t>(map.closures.size()));
+  for (const StoredClosure& closure : map.closures) write(out, closure);
   const std::uint32_t crc = crc_of(std::span{out.bytes()}.subspan(kHeadBytes));
   std::memcpy(out.bytes().data() + kHeadBytes - sizeof crc, &crc, sizeof crc);
   return std::move(out.bytes());

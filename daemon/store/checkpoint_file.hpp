@@ -14,15 +14,15 @@
 
 namespace slamd {
 
-inline constexpr std::uint32_t kCheckpointVersion = 1;
+inline constexpr std::uint32_t kCheckpointVersion = 2;
 /// Of a file; a longer one is not read.
 inline constexpr std::size_t kMaxCheckpointBytes = 1ULL << 30U;
 
-/// Little-endian: "SLAMDMAP", u32 version, u32 CRC-32 of all that follows, then vehicle, pose, place on the earth, keyframes.
+/// Little-endian: "SLAMDMAP", u32 version, u32 CRC-32 of all that follows, then vehicle, pose, sensors, place on the earth, keyframes, closures.
 std::vector<std::uint8_t> encode(const StoredMap& map, const VehicleGeometry& vehicle);
 
 /// Any bytes: refused with a reason unless they are a whole, undamaged checkpoint of this version and of just this vehicle, with
-/// finite numbers, unit quaternions and times in order.
+/// finite numbers, unit quaternions, times in order and closures between keyframes that are there.
 Result<StoredMap> decode(std::span<const std::uint8_t> bytes, const VehicleGeometry& vehicle);
 
 /// The bytes of a file of at most kMaxCheckpointBytes; none (no error) when there is no such file.

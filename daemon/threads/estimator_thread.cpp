@@ -31,7 +31,7 @@ void EstimatorThread::run(const std::stop_token& stop) {
   }
 }
 
-bool EstimatorThread::take_event(HostTime now) {
+bool EstimatorThread::take_event(HostTime now) SLAMD_NONBLOCKING {
   const NextEvent event =
       merge_.next({oldest_arrival(streams_.imu), oldest_arrival(streams_.lidar), oldest_arrival(streams_.gnss)}, now);
   late_events_.store(merge_.late(), std::memory_order_relaxed);
@@ -58,7 +58,7 @@ bool EstimatorThread::take_event(HostTime now) {
   return true;
 }
 
-void EstimatorThread::take_scans() {
+void EstimatorThread::take_scans() SLAMD_NONBLOCKING {
   for (;;) {
     const HostTime begin = host_now();
     const ScanResult* result = odometry_.step(share_of_next_scan());

@@ -7,6 +7,7 @@
 #include <stop_token>
 
 #include "daemon/health/histogram.hpp"
+#include "daemon/ring/nonblocking.hpp"
 #include "daemon/threads/event_merge.hpp"
 #include "daemon/threads/keyframe_feed.hpp"
 #include "daemon/threads/scan_budget.hpp"
@@ -47,8 +48,8 @@ class EstimatorThread {
   const Histogram& scan_latency() const { return scan_latency_; }  // end of the scan to its posterior
 
  private:
-  bool take_event(HostTime now);
-  void take_scans();
+  bool take_event(HostTime now) SLAMD_NONBLOCKING;
+  void take_scans() SLAMD_NONBLOCKING;
   double share_of_next_scan();
   void publish(const ScanResult& result);
 

@@ -44,7 +44,7 @@ void GnssThread::run(const std::stop_token& stop) {
   }
 }
 
-void GnssThread::take(std::span<const std::uint8_t> bytes, HostTime arrival) {
+void GnssThread::take(std::span<const std::uint8_t> bytes, HostTime arrival) SLAMD_NONBLOCKING {
   if (!bytes.empty()) now_.last_bytes = arrival;
   if (tap_ != nullptr) tap_->take({.payload = bytes, .arrival = arrival, .source = {}});
   parser_.feed(bytes, arrival, [this](const GnssFix& fix) {

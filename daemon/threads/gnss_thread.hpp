@@ -8,6 +8,7 @@
 #include <stop_token>
 
 #include "daemon/ring/latest_value.hpp"
+#include "daemon/ring/nonblocking.hpp"
 #include "daemon/threads/recorder.hpp"
 #include "daemon/threads/streams.hpp"
 #include "drivers/gnss/nmea_parser.hpp"
@@ -50,7 +51,7 @@ class GnssThread {
  private:
   struct Faults;
 
-  void take(std::span<const std::uint8_t> bytes, HostTime arrival);
+  void take(std::span<const std::uint8_t> bytes, HostTime arrival) SLAMD_NONBLOCKING;
   void take(const GnssFix& fix);
 
   SerialSource source_;

@@ -59,7 +59,7 @@ void ImuThread::run(const std::stop_token& stop) {
   }
 }
 
-void ImuThread::take(std::span<const std::uint8_t> bytes, HostTime arrival) {
+void ImuThread::take(std::span<const std::uint8_t> bytes, HostTime arrival) SLAMD_NONBLOCKING {
   if (!bytes.empty()) now_.last_bytes = arrival;
   if (tap_ != nullptr) tap_->take({.payload = bytes, .arrival = arrival, .source = {}});
   parser_.feed(bytes, arrival, [this](const ImuSample& sample) {
@@ -76,14 +76,14 @@ void ImuThread::take(const ImuSample& sample) {
   now_.last_arrival = sample.arrival;
 }
 
-void ImuThread::take_posterior() {
+void ImuThread::take_posterior() SLAMD_NONBLOCKING {
   const Posterior* posterior = streams_.posterior.load();
   if (posterior == nullptr || posterior->snapshot.time == last_posterior_) return;
   last_posterior_ = posterior->snapshot.time;
   predictor_.correct(posterior->snapshot, posterior->state);
 }
 
-void ImuThread::carry_on(HostTime now) {
+void ImuThread::carry_on(HostTime now) SLAMD_NONBLOCKING {
   if (last_posterior_ != HostTime{}) publish(predictor_.coast_to(now));
 }
 
@@ -94,7 +94,7 @@ void ImuThread::publish(const NavState& state) {
   last_published_ = host_now();
 }
 
-void ImuThread::tell() {
+void ImuThread::tell() SLAMD_NONBLOCKING {
   now_.parser = parser_.stats();
   now_.source = source_->stats();
   now_.device_open = source_->is_open();

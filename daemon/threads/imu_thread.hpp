@@ -11,6 +11,7 @@
 #include "daemon/health/health_board.hpp"
 #include "daemon/health/histogram.hpp"
 #include "daemon/ring/latest_value.hpp"
+#include "daemon/ring/nonblocking.hpp"
 #include "daemon/server/pose_publisher.hpp"
 #include "daemon/threads/map_placement.hpp"
 #include "daemon/threads/recorder.hpp"
@@ -63,12 +64,12 @@ class ImuThread {
  private:
   struct Faults;
 
-  void take(std::span<const std::uint8_t> bytes, HostTime arrival);
+  void take(std::span<const std::uint8_t> bytes, HostTime arrival) SLAMD_NONBLOCKING;
   void take(const ImuSample& sample);
-  void take_posterior();
-  void carry_on(HostTime now);
+  void take_posterior() SLAMD_NONBLOCKING;
+  void carry_on(HostTime now) SLAMD_NONBLOCKING;
   void publish(const NavState& state);
-  void tell();
+  void tell() SLAMD_NONBLOCKING;
 
   const ImuThreadConfig config_;
   std::unique_ptr<ByteSource> source_;

@@ -78,7 +78,7 @@ void LidarThread::receive() {
   if (packets.empty()) pass({.payload = {}, .arrival = host_now(), .source = {}});
 }
 
-void LidarThread::decode(const UdpPacket& packet) {
+void LidarThread::decode(const UdpPacket& packet) SLAMD_NONBLOCKING {
   if (tap_ != nullptr) tap_->take(packet);
   now_.last_received = packet.arrival;
   const LidarPacket* points = decoder_.decode(packet.payload, packet.arrival);

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "daemon/ring/latest_value.hpp"
+#include "daemon/ring/nonblocking.hpp"
 #include "daemon/threads/recorder.hpp"
 #include "daemon/threads/streams.hpp"
 #include "drivers/io/udp_source.hpp"
@@ -63,7 +64,7 @@ class LidarThread {
 
   LidarThread(UdpSource packets, UdpSource positions, const Vlp16Config& decoder, Streams& streams);
   void receive();
-  void decode(const UdpPacket& packet);
+  void decode(const UdpPacket& packet) SLAMD_NONBLOCKING;
   void read_positions();
 
   UdpSource packets_;

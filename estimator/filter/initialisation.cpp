@@ -108,17 +108,16 @@ InitialState Initialisation::state(HostTime time, const Pose& T_base_imu, const 
   const Moments gyro = moments(&Reading::gyro_rads);
   const Moments accel = moments(&Reading::accel_mps2);
   out.at_rest = is_still(gyro, accel);
-  const Eigen::Vector3d& force = accel.mean;
+  const Eigen::Vector3d force = accel.mean - config_.known_accel_bias_mps2;
   out.filter.time = time;
   InertialState& state = out.filter.state;
   state = state_at(level_pose(force, T_base_imu), T_imu_lidar);
   out.filter.covariance =
       out.at_rest ? first_covariance(config_.rest_velocity_mps, config_.rest_gyro_bias_rads)
                   : first_covariance(config_.moving_velocity_mps, config_.moving_gyro_bias_rads);
-  if (out.at_rest) {
-    state.gyro_bias = gyro.mean;
-    state.accel_bias = force - kGravity_mps2 * force.normalized();
-  }
+  state.gyro_bias = out.at_rest ? gyro.mean : config_.known_gyro_bias_rads;
+  state.accel_bias = config_.known_accel_bias_mps2;
+  if (out.at_rest) state.accel_bias += force - kGravity_mps2 * force.normalized();
   couple_gravity(state, config_.accel_bias_mps2,
                  out.at_rest ? config_.rest_accel_noise_mps2 : config_.moving_accel_noise_mps2, out.filter.covariance);
   if (with_extrinsic) {

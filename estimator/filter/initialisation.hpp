@@ -8,6 +8,8 @@
 
 namespace slamd {
 
+inline constexpr double kMostKnownBias = 1.0;  // rad/s and m/s^2, an axis: beyond it the sensor is broken
+
 struct InitialisationConfig {
   double rest_s = 0.8;                       // of stillness make a start at rest
   double min_s = 0.3;                        // of any data make a start while moving
@@ -22,6 +24,9 @@ struct InitialisationConfig {
   double accel_bias_mps2 = 0.15;             // LSM6DSOX zero-g level: 0.2 at most over life
   double rest_accel_noise_mps2 = 0.02;       // of the window's mean
   double moving_accel_noise_mps2 = 1.0;      // true acceleration taken for gravity
+  // Biases as they are known before the start, imu frame: calibrated, or left by an earlier run. As unsure as said above.
+  Eigen::Vector3d known_gyro_bias_rads = Eigen::Vector3d::Zero();
+  Eigen::Vector3d known_accel_bias_mps2 = Eigen::Vector3d::Zero();
   double extrinsic_rotation_rad = 0.01;      // used when the extrinsic is estimated
   double extrinsic_translation_m = 0.03;
 };

@@ -50,6 +50,15 @@ void LoopCloser::restore(const Keyframe& keyframe, std::vector<std::uint8_t> pac
   restored_ = next_ = clouds_.size();
 }
 
+void LoopCloser::restore(const GraphView& view, std::span<const LoopClosure> closures) {
+  for (const LoopClosure& closure : closures) {
+    LoopCandidateReport report = candidate(view, closure.from, closure.to).report;
+    report.T_from_to = closure.T_from_to;
+    take_in(view, closure, report);
+  }
+  collect();
+}
+
 void LoopCloser::append(const Keyframe& keyframe) {
   const Eigen::Vector3d& position = keyframe.state.T_odom_base.translation;
   driven_m_.push_back(driven_m_.empty() ? 0.0 : driven_m_.back() + (position - last_position_).norm());

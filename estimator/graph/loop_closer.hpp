@@ -18,6 +18,7 @@ class LoopCloser final : public LoopSource {
 
   void add(const Keyframe& keyframe) override;
   void restore(const Keyframe& keyframe, std::vector<std::uint8_t> packed) override;
+  void restore(const GraphView& view, std::span<const LoopClosure> closures) override;
   std::span<const std::uint8_t> packed(std::size_t keyframe) const override { return clouds_.packed(keyframe); }
   bool update(const GraphView& view, const Cancelled& cancelled = {}) override;
   std::span<const LoopClosure> closures() const override { return closures_; }

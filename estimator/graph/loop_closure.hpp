@@ -74,6 +74,10 @@ class LoopSource {
     static_cast<void>(packed);
     add(keyframe);
   }
+  /// After those: the closures of then between them, which hold as if they had been found now.
+  virtual void restore(const GraphView& view, std::span<const LoopClosure> closures) {
+    static_cast<void>(view), static_cast<void>(closures);
+  }
   /// A keyframe's points for restore(); empty when it has none any more.
   virtual std::span<const std::uint8_t> packed(std::size_t keyframe) const {
     static_cast<void>(keyframe);

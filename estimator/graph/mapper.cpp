@@ -42,6 +42,7 @@ void Mapper::keep(const Keyframe& keyframe) {
   odometry_.add(keyframe.state.T_odom_base, keyframe.relative_covariance);
   keyframes_.push_back({keyframe.state.time, keyframe.state.T_odom_base, graph_.poses().back()});
   if (positions_) positions_->add(keyframe);
+  sensors_ = {keyframe.state.gyro_bias_rads, keyframe.state.accel_bias_mps2, keyframe.state.T_imu_lidar};
 }
 
 StoredMap Mapper::stored(std::size_t byte_budget) const {
@@ -57,12 +58,25 @@ StoredMap Mapper::stored(std::size_t byte_budget) const {
     const Matrix6d covariance = i > first ? odometry_.relative_covariance(i - 1, i) : Matrix6d{Matrix6d::Zero()};
     map.keyframes.push_back({keyframes_[i].time, keyframes_[i].T_map_base, covariance, {cloud.begin(), cloud.end()}});
   }
+  map.closures = stored_closures(first);
   map.T_map_base = keyframes_.back().T_map_base;
+  map.sensors = sensors_;
   if (const std::optional<StoredEnu> enu = stored_enu()) {
     map.enu_valid = true;
     map.enu = *enu;
   }
   return map;
+}
+
+/// Those between keyframes from `first` on.
+std::vector<StoredClosure> Mapper::stored_closures(std::size_t first) const {
+  std::vector<StoredClosure> stored;
+  for (const LoopClosure& closure : loops_->closures()) {
+    if (closure.from < first || closure.to < first) continue;
+    stored.push_back({static_cast<std::uint32_t>(closure.from - first), static_cast<std::uint32_t>(closure.to - first),
+                      closure.T_from_to, closure.covariance});
+  }
+  return stored;
 }
 
 std::optional<StoredEnu> Mapper::stored_enu() const {
@@ -87,8 +101,20 @@ void Mapper::restore(StoredMap map, HostTime now) {
     keep(keyframe);
     if (loops_) loops_->restore(keyframe, std::move(stored.cloud));
   }
+  sensors_ = map.sensors;
   if (map.enu_valid) restored_enu_ = map.enu;
-  publish({});
+  restore_closures(map.closures);
+}
+
+void Mapper::restore_closures(std::span<const StoredClosure> closures) {
+  MapGraphSolve as_left;
+  if (loops_) {
+    std::vector<LoopClosure> restored;
+    for (const StoredClosure& c : closures) restored.push_back({c.from, c.to, c.T_from_to, c.covariance});
+    loops_->restore(view(), restored);
+    as_left.closure_weights.assign(loops_->closures().size(), 1.0);
+  }
+  publish(as_left);
 }
 
 void Mapper::add(const GnssFix& fix) {

@@ -36,8 +36,8 @@ class Mapper {
 
   /// The newest keyframes, of as many as their points take `byte_budget`, for a later run; none without a search for loops.
   StoredMap stored(std::size_t byte_budget) const;
-  /// Begins with the keyframes of an earlier run instead of none: rigid among themselves as they were left, as sure of it as the
-  /// odometry of then. Their stamps are moved to end before `now`. Only on an empty mapper.
+  /// Begins with the keyframes of an earlier run instead of none: where they were left, as sure of it as the odometry and the closures
+  /// of then. Their stamps are moved to end before `now`. Only on an empty mapper.
   void restore(StoredMap map, HostTime now);
 
   /// Searches for closures and solves the whole graph if a closure, GPS or growth asks for it, from where it is; so that the
@@ -77,6 +77,8 @@ class Mapper {
 
  private:
   void keep(const Keyframe& keyframe);
+  std::vector<StoredClosure> stored_closures(std::size_t first) const;
+  void restore_closures(std::span<const StoredClosure> closures);
   std::optional<StoredEnu> stored_enu() const;
   bool ask_sources(const Cancelled& cancelled);
   bool grown(double share, double at_least) const;
@@ -89,6 +91,7 @@ class Mapper {
   MapGraph graph_;
   OdometryChain odometry_;
   std::vector<KeyframeEstimate> keyframes_;
+  StoredSensors sensors_;  // as the newest keyframe has them
   std::optional<EnuAlignment> enu_;  // as the newest solve left it
   std::optional<StoredEnu> restored_enu_;  // told until there is a newer one
   std::shared_ptr<const GraphSolution> solution_ = std::make_shared<GraphSolution>();

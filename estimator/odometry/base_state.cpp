@@ -25,6 +25,7 @@ NavState base_state(const FilterSnapshot& snapshot, const Pose& T_base_imu) {
   out.angular_velocity_rads = T_base_imu.rotation * snapshot.angular_velocity_rads;
   out.gyro_bias_rads = state.gyro_bias;
   out.accel_bias_mps2 = state.accel_bias;
+  out.T_imu_lidar = state.T_imu_lidar;
   out.covariance = local_covariance(snapshot, T_base_imu) + snapshot.map_covariance;
   return out;
 }

@@ -44,6 +44,7 @@ struct NavState {
   Matrix6d covariance = Matrix6d::Zero();
   Eigen::Vector3d gyro_bias_rads = Eigen::Vector3d::Zero();      // imu frame
   Eigen::Vector3d accel_bias_mps2 = Eigen::Vector3d::Zero();     // imu frame
+  Pose T_imu_lidar;                                              // as configured, unless the filter estimates it
   TrackingStatus status = TrackingStatus::kInitialising;
   std::uint32_t reasons = 0;                                     // bits of StatusReason
   Eigen::Vector3d degenerate_direction = Eigen::Vector3d::Zero();  // unit, odom; zero when all are constrained

@@ -1,6 +1,6 @@
 #pragma once
-// What of a map outlives the process: its newest keyframes, where the vehicle was, and where the map lies on the earth. A
-// value without behaviour; bytes and files are daemon/store's.
+// What of a map outlives the process: its newest keyframes and their closures, where the vehicle was, what was known of its
+// sensors, and where the map lies on the earth. A value without behaviour; bytes and files are daemon/store's.
 
 #include <array>
 #include <cstdint>
@@ -28,9 +28,26 @@ struct StoredEnu {
   double ellipsoid_height_m = 0.0;
 };
 
+/// A closure that held; as LoopClosure, its ends by their places among the stored keyframes.
+struct StoredClosure {
+  std::uint32_t from = 0;  // the earlier one
+  std::uint32_t to = 0;
+  Pose T_from_to;
+  Matrix6d covariance = Matrix6d::Identity();
+};
+
+/// What the filter had learnt of its sensors, imu frame.
+struct StoredSensors {
+  Eigen::Vector3d gyro_bias_rads = Eigen::Vector3d::Zero();
+  Eigen::Vector3d accel_bias_mps2 = Eigen::Vector3d::Zero();
+  Pose T_imu_lidar;
+};
+
 struct StoredMap {
   std::vector<StoredKeyframe> keyframes;  // in order of time
+  std::vector<StoredClosure> closures;    // between them
   Pose T_map_base;                        // where the vehicle was
+  StoredSensors sensors;
   bool enu_valid = false;                 // false: enu says nothing
   StoredEnu enu;
 };

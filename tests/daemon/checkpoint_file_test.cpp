@@ -22,7 +22,9 @@ StoredMap some_map() {
     keyframe.cloud.assign(static_cast<std::size_t>(300 * i), static_cast<std::uint8_t>(i));
     map.keyframes.push_back(keyframe);
   }
+  map.closures = {{.from = 0, .to = 4, .T_from_to = {Eigen::Quaterniond::Identity(), {6.0, 0.0, 0.0}}, .covariance = 1e-3 * Matrix6d::Identity()}};
   map.T_map_base.translation = {6.5, 0.3, -1.0};
+  map.sensors = {.gyro_bias_rads = {1e-3, 2e-3, 3e-3}, .accel_bias_mps2 = {0.1, 0.2, 0.3}, .T_imu_lidar = {Eigen::Quaterniond::Identity(), {0.3, 0.0, 0.4}}};
   map.enu_valid = true;
   map.enu = StoredEnu{.yaw_rad = 0.7, .translation = {100.0, 200.0, 3.0}, .covariance = {}, .latitude_deg = 50.0,
                       .longitude_deg = 8.5, .ellipsoid_height_m = 160.0};
@@ -43,6 +45,14 @@ TEST(CheckpointFile, WhatWasStoredComesBackToTheBit) {
     EXPECT_EQ(back->keyframes[i].relative_covariance, map.keyframes[i].relative_covariance);
     EXPECT_EQ(back->keyframes[i].cloud, map.keyframes[i].cloud);
   }
+  ASSERT_EQ(back->closures.size(), 1U);
+  EXPECT_EQ(back->closures[0].from, 0U);
+  EXPECT_EQ(back->closures[0].to, 4U);
+  EXPECT_EQ(back->closures[0].T_from_to.translation, map.closures[0].T_from_to.translation);
+  EXPECT_EQ(back->closures[0].covariance, map.closures[0].covariance);
+  EXPECT_EQ(back->sensors.gyro_bias_rads, map.sensors.gyro_bias_rads);
+  EXPECT_EQ(back->sensors.accel_bias_mps2, map.sensors.accel_bias_mps2);
+  EXPECT_EQ(back->sensors.T_imu_lidar.translation, map.sensors.T_imu_lidar.translation);
   EXPECT_EQ(back->T_map_base.translation, map.T_map_base.translation);
   ASSERT_TRUE(back->enu_valid);
   EXPECT_EQ(back->enu.yaw_rad, 0.7);
@@ -73,6 +83,14 @@ TEST(CheckpointFile, AnotherVehicleOrVersionIsRefusedWithItsReason) {
   const Result<StoredMap> newer = decode(bytes, some_vehicle());
   ASSERT_FALSE(newer);
   EXPECT_NE(std::string{newer.reason()}.find("version"), std::string::npos);
+}
+
+TEST(CheckpointFile, ClosuresOfKeyframesThatAreNotThereAreRefused) {
+  StoredMap map = some_map();
+  map.closures[0].to = 5;
+  EXPECT_FALSE(decode(encode(map, some_vehicle()), some_vehicle()));
+  map.closures[0].from = map.closures[0].to = 3;
+  EXPECT_FALSE(decode(encode(map, some_vehicle()), some_vehicle()));
 }
 
 TEST(CheckpointFile, NumbersThatAreNoneAreRefusedThoughTheChecksumHolds) {

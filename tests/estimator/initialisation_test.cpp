@@ -86,6 +86,25 @@ TEST(Initialisation, AtRestTheTiltAndTheGyroBiasAreFound) {
   }
 }
 
+TEST(Initialisation, ABiasThatIsKnownAlreadyDoesNotTiltTheStart) {
+  Random random{3};
+  RestingImu imu;
+  imu.accel_bias = {0.12, -0.10, 0.05};
+  InitialisationConfig config;
+  config.known_accel_bias_mps2 = imu.accel_bias;
+  const auto tilt_rad = [&](const InitialisationConfig& with) {
+    Initialisation initialisation{with};
+    feed(initialisation, imu, 200, random);
+    const InertialState state = state_of(initialisation).filter.state;
+    return (state.R_odom_imu * imu.R_odom_imu.conjugate() * Eigen::Vector3d::UnitZ()).head<2>().norm();
+  };
+  EXPECT_GT(tilt_rad(InitialisationConfig{}), 0.01);
+  EXPECT_LT(tilt_rad(config), 0.001);
+  Initialisation known{config};
+  feed(known, imu, 200, random);
+  EXPECT_LT((state_of(known).filter.state.accel_bias - imu.accel_bias).norm(), 0.005);
+}
+
 TEST(Initialisation, BaseStandsAtTheOriginOfOdomLookingAlongX) {
   Random random{3};
   Initialisation initialisation{InitialisationConfig{}};

@@ -64,9 +64,11 @@ class RelocaliserTest : public ::testing::Test {
     for (double along_m = 0.0; along_m < 150.0; along_m += kSpacing_m) add(along_m);
   }
 
-  void begin_back_end() {
+  /// reach_m  of the odometry's own map, which holds the places within it: closures are looked for beyond
+  void begin_back_end(double reach_m = 110.0) {
     BackEndConfig config;
     config.use_gps = false;
+    config.loops.local_map_reach_m = reach_m;
     back_end_.emplace(make_relocaliser(config, {.T_base_lidar = {Eigen::Quaterniond::Identity(), test::kLidarInBase}, .T_base_imu = {}, .p_base_antenna = Eigen::Vector3d::Zero()}));
   }
 
@@ -175,6 +177,32 @@ TEST_F(RelocaliserTest, WhatIsStoredAreTheNewestKeyframesOfTheBudget) {
   ASSERT_LT(some.keyframes.size(), 75U);
   EXPECT_EQ(some.keyframes.back().time, all.keyframes.back().time);
   EXPECT_EQ(some.keyframes.back().cloud, all.keyframes.back().cloud);
+}
+
+TEST_F(RelocaliserTest, ClosuresOutliveARestartAndHold) {
+  constexpr double kForgetful_m = 1.0;
+  drive_ = Drive{};
+  begin_back_end(kForgetful_m);
+  entered_ = 0;
+  for (double along_m = 0.0; along_m < 320.0; along_m += kSpacing_m) add(along_m);
+  StoredMap left = back_end_->mapper().stored(kPlenty);
+  ASSERT_GT(left.closures.size(), 3U);
+  left.sensors.accel_bias_mps2 = {0.01, -0.02, 0.03};
+  begin_back_end(kForgetful_m);
+  back_end_->restore(left, HostTime{std::chrono::hours{1}});
+  EXPECT_EQ(back_end_->mapper().solution()->closures, left.closures.size());
+  const StoredMap again = back_end_->mapper().stored(kPlenty);
+  ASSERT_EQ(again.closures.size(), left.closures.size());
+  for (std::size_t i = 0; i < left.closures.size(); ++i) {
+    EXPECT_EQ(again.closures[i].from, left.closures[i].from);
+    EXPECT_EQ(again.closures[i].to, left.closures[i].to);
+    EXPECT_EQ(again.closures[i].covariance, left.closures[i].covariance);
+  }
+  EXPECT_EQ(again.sensors.accel_bias_mps2, left.sensors.accel_bias_mps2);
+  ASSERT_TRUE(back_end_->mapper().finish());
+  for (std::size_t i = 0; i < left.keyframes.size(); ++i) {
+    EXPECT_LT(boxminus(back_end_->mapper().keyframes()[i].T_map_base, left.keyframes[i].T_map_base).norm(), 0.02) << i;
+  }
 }
 
 TEST(MapLink, AnUnplacedPoseIsNeverTrackingAndItsCovarianceExcludesNothingNear) {
