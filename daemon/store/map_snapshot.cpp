@@ -8,7 +8,7 @@ namespace {
 
 CloudPoint placed(const Pose& T_map_base, const PackedPoint& point) {
   const Eigen::Vector3f p_map = (T_map_base * point.position().cast<double>()).cast<float>();
-  return {p_map.x(), p_map.y(), p_map.z(), static_cast<float>(point.intensity)};
+  return {p_map.x(), p_map.y(), p_map.z(), static_cast<float>(point.intensity())};
 }
 
 }  // namespace
