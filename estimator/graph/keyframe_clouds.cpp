@@ -11,7 +11,10 @@ Pose level(const Pose& T) {
   return {Eigen::Quaterniond{Eigen::AngleAxisd{yaw, Eigen::Vector3d::UnitZ()}}, T.translation};
 }
 
-void KeyframeClouds::add(const PointCloud& points_base) { add_packed(pack_cloud(points_base, config_.grid)); }
+void KeyframeClouds::add(const PointCloud& points_base) {
+  const bool counts = size() % config_.every == 0;
+  add_packed(counts ? pack_cloud(points_base, config_.grid) : std::vector<std::uint8_t>{});
+}
 
 void KeyframeClouds::add_packed(std::vector<std::uint8_t> packed) {
   clouds_.push_back(std::move(packed));

@@ -14,6 +14,7 @@ namespace slamd {
 
 struct KeyframeCloudsConfig {
   CloudGrid grid;  // beyond its reach a VLP-16's rings are too far apart to make surfaces
+  std::uint32_t every = 2;  // of so many keyframes one keeps its points: they overlap by far more than sub-maps need
   std::size_t byte_budget = 256U * 1024 * 1024;  // beyond it the points of the oldest keyframes are forgotten
 };
 
@@ -35,11 +36,11 @@ class KeyframeClouds {
   KeyframeClouds(const KeyframeCloudsConfig& config, const Eigen::Vector3d& p_base_lidar)
       : config_{config}, p_base_lidar_{p_base_lidar} {}
 
-  /// The next keyframe's points, base frame, metres: the first in each voxel is kept.
+  /// The next keyframe's points, base frame, metres: of every config.every-th keyframe the first in each voxel is kept.
   void add(const PointCloud& points_base);
   /// Likewise of points that were packed with the same grid before.
   void add_packed(std::vector<std::uint8_t> packed);
-  /// Empty for a keyframe whose points were forgotten.
+  /// Empty for a keyframe whose points were not kept or are forgotten.
   const std::vector<std::uint8_t>& packed(std::size_t i) const { return clouds_[i]; }
   std::size_t size() const { return clouds_.size(); }
   std::size_t bytes() const { return bytes_; }

@@ -71,7 +71,7 @@ TEST(PackedCloud, APointTakesAtMostFiveBytes) {
 TEST(KeyframeClouds, BeyondTheBudgetTheOldestLoseTheirPoints) {
   const PointCloud cloud = random_cloud(1'000, 15.0);
   const std::size_t bytes = pack_cloud(cloud, {}).size();
-  KeyframeClouds clouds{{.grid = {}, .byte_budget = 3 * bytes}, Eigen::Vector3d::Zero()};
+  KeyframeClouds clouds{{.grid = {}, .every = 1, .byte_budget = 3 * bytes}, Eigen::Vector3d::Zero()};
   OdometryChain chain;
   for (int i = 0; i < 10; ++i) {
     chain.add({Eigen::Quaterniond::Identity(), {1.5 * i, 0.0, 0.0}}, 1e-6 * Matrix6d::Identity());
@@ -81,6 +81,20 @@ TEST(KeyframeClouds, BeyondTheBudgetTheOldestLoseTheirPoints) {
   EXPECT_EQ(clouds.forgotten(), 7U);
   EXPECT_TRUE(clouds.submap(chain, 3, 3, 3).points.empty());
   EXPECT_EQ(clouds.submap(chain, 8, 1, 1).points.size(), 3 * unpacked(pack_cloud(cloud, {}), {}).size());
+}
+
+TEST(KeyframeClouds, EverySecondKeyframeKeepsItsPoints) {
+  const PointCloud cloud = random_cloud(1'000, 15.0);
+  KeyframeClouds clouds{{}, Eigen::Vector3d::Zero()};
+  OdometryChain chain;
+  for (int i = 0; i < 10; ++i) {
+    chain.add({Eigen::Quaterniond::Identity(), {1.5 * i, 0.0, 0.0}}, 1e-6 * Matrix6d::Identity());
+    clouds.add(cloud);
+  }
+  EXPECT_EQ(clouds.bytes(), 5 * pack_cloud(cloud, {}).size());
+  const Submap submap = clouds.submap(chain, 4, 2, 1);  // of 2, 3, 4, 5
+  EXPECT_EQ(submap.points.size(), 2 * unpacked(pack_cloud(cloud, {}), {}).size());
+  EXPECT_EQ(submap.viewpoints.size(), 4U);
 }
 
 }  // namespace
