@@ -4,8 +4,10 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <optional>
 
 #include "estimator/graph/chordal.hpp"
+#include "estimator/graph/edge_costs.hpp"
 #include "estimator/graph/group_se2.hpp"
 #include "estimator/graph/group_se3.hpp"
 #include "estimator/graph/loop_support.hpp"
@@ -36,7 +38,9 @@ template <class Group>
 class Gnc {
  public:
   Gnc(PoseGraph<Group>& graph, const std::vector<bool>& suspect, const GncConfig& config)
-      : graph_{graph}, suspect_{suspect}, config_{config}, weights_(graph.edges.size(), 1.0) {}
+      : graph_{graph}, suspect_{suspect}, config_{config},
+        promised_{chi2_quantile(Group::kDof, config.outlier_probability)}, barred_(graph.edges.size(), false),
+        weights_(graph.edges.size(), 1.0) {}
 
   RobustOutcome run(const SolveLimits& limits) {
     const std::vector<bool> supported = supported_edges(graph_, suspect_);
@@ -57,6 +61,9 @@ class Gnc {
       mu = config_.first_sharpness;
     }
     outcome.solve = give_second_chance(limits);
+    while (bar_the_worst_lone_edge()) outcome.solve = settle(limits);
+    if (take_in_what_costs_little()) outcome.solve = settle(limits);
+    while (bar_the_worst_lone_edge()) outcome.solve = settle(limits);
     outcome.weights = weights_;
     return outcome;
   }
@@ -100,24 +107,86 @@ class Gnc {
   /// Smaller than before, never larger: what was found wrong does not come back by making all others look worse.
   /// False when it is the same, nearly.
   bool lower_limit() {
-    const double promised = chi2_quantile(Group::kDof, config_.outlier_probability);
-    const double limit = promised * std::min(config_.noise_margin * noise_scale(), config_.information_margin);
+    const double limit = limit_at(noise_scale());
     if (limit > 0.9 * limit_) return false;
     limit_ = limit;
     return true;
+  }
+
+  /// The chi2 that tells right from wrong where errors have this scale.
+  double limit_at(double scale) const {
+    return promised_ * std::min(config_.noise_margin * scale, config_.information_margin);
+  }
+
+  /// Likewise of what an edge costs the whole, which takes in the drift of the chain around it.
+  double cost_limit() const {
+    return promised_ * config_.noise_margin * std::min(scale_of_kept(), config_.information_margin);
+  }
+
+  std::vector<bool> kept() const {
+    std::vector<bool> kept;
+    for (const double weight : weights_) kept.push_back(weight >= 0.5);
+    return kept;
+  }
+
+  /// Objective of the kept edges a degree of freedom: their scale with its tails, once what is wrong is out.
+  double scale_of_kept() const {
+    double sum = 0.0;
+    auto spare = -std::ranges::count(graph_.fixed, false);
+    for (std::size_t k = 0; k < weights_.size(); ++k) {
+      if (weights_[k] < 0.5) continue;
+      sum += chi2(graph_, graph_.edges[k]);
+      ++spare;
+    }
+    return spare > 0 ? sum / static_cast<double>(spare * Group::kDof) : 1.0;
   }
 
   /// A right edge that alone joins what drifted apart looks wrong until it is in: near ones are taken in together, and stay
   /// when the rest can agree with them; then edges within the limit are taken until nothing changes.
   SolveOutcome give_second_chance(const SolveLimits& limits) {
     const std::vector<double> kept = weights_;
+    limit_ = std::max(limit_, limit_at(scale_of_kept()));
     keep_within(config_.second_chance * limit_);
     move_from_start(limits);
     keep_within(limit_);
     for (std::size_t k = 0; k < weights_.size(); ++k) weights_[k] = std::max(weights_[k], kept[k]);
+    return settle(limits);
+  }
+
+  /// Edges that are out and would fit if they were in: what those cost that stays wrong lies far above. True when there are any.
+  bool take_in_what_costs_little() {
+    std::vector<std::size_t> near;
+    for (std::size_t k = 0; k < weights_.size(); ++k) {
+      const bool out = weights_[k] == 0.0 && !barred_[k];
+      if (out && chi2(graph_, graph_.edges[k]) < config_.second_chance * limit_) near.push_back(k);
+    }
+    const std::vector<double> costs = costs_of_adding(graph_, kept(), near);
+    const double limit = cost_limit();
+    bool any = false;
+    for (std::size_t i = 0; i < costs.size(); ++i) {
+      if (costs[i] > limit) continue;
+      weights_[near[i]] = 1.0;
+      any = true;
+    }
+    return any;
+  }
+
+  /// Until the kept set agrees with its own solution.
+  SolveOutcome settle(const SolveLimits& limits) {
     SolveOutcome outcome = move_from_start(limits);
     for (int i = 0; i < config_.last_rounds && keep_within(limit_); ++i) outcome = move_from_start(limits);
     return outcome;
+  }
+
+  /// A wrong edge that no kept one confirms bends a stretch that nothing else holds until its own error is small; what it
+  /// adds to the whole is not. Takes the worst of them out for good; false when there is none.
+  bool bar_the_worst_lone_edge() {
+    const std::optional<LoneEdge> worst = worst_lone_edge(graph_, kept(), suspect_);
+    if (!worst || worst->adds <= cost_limit()) return false;
+    barred_[worst->edge] = true;
+    weights_[worst->edge] = 0.0;
+    limit_ = std::min(limit_, limit_at(scale_of_kept()));
+    return true;
   }
 
   SolveOutcome move_from_start(const SolveLimits& limits) {
@@ -128,7 +197,7 @@ class Gnc {
   bool keep_within(double limit) {
     const std::vector<double> before = weights_;
     for (std::size_t k = 0; k < weights_.size(); ++k) {
-      if (suspect_[k]) weights_[k] = chi2(graph_, graph_.edges[k]) < limit ? 1.0 : 0.0;
+      if (suspect_[k] && !barred_[k]) weights_[k] = chi2(graph_, graph_.edges[k]) < limit ? 1.0 : 0.0;
     }
     return weights_ != before;
   }
@@ -147,6 +216,8 @@ class Gnc {
   PoseGraph<Group>& graph_;
   const std::vector<bool>& suspect_;
   const GncConfig config_;
+  const double promised_;     // chi2 that a right edge exceeds with outlier_probability, when its information is true
+  std::vector<bool> barred_;  // wrong for good
   double limit_ = std::numeric_limits<double>::infinity();  // chi2 from which on an edge is wrong
   std::vector<double> weights_;
 };

@@ -102,5 +102,35 @@ TEST(MarginalCovariance, OfWhatNothingConstrainsIsEmpty) {
   EXPECT_EQ(marginal_covariance(problem.problem(), problem.block(1)).rows(), 0);
 }
 
+TEST(ErrorCosts, AreWhatASolveWithAndWithoutTheErrorSays) {
+  const Matrix6d information = 100.0 * Matrix6d::Identity();
+  Pose ahead;
+  ahead.translation.x() = 1.0;
+  Pose too_far;
+  too_far.translation.x() = 2.3;
+  std::vector<Pose> poses{{}, ahead, ahead * ahead};
+  const std::vector<bool> fixed{true, false, false};
+  GraphProblem<GroupSe3> problem{poses, fixed};
+  std::vector<ceres::ResidualBlockId> chain{problem.add({0, 1, ahead, information}, RotationError::kLog),
+                                            problem.add({1, 2, ahead, information}, RotationError::kLog)};
+  const ceres::ResidualBlockId loop = problem.add({0, 2, too_far, information}, RotationError::kLog);
+  const std::vector<double> to_add = error_costs(problem.problem(), chain, {loop}, ErrorsAre::kLeftOut);
+  const SolveOutcome outcome = minimise(problem.problem(), {});
+  chain.push_back(loop);
+  const std::vector<double> to_leave = error_costs(problem.problem(), chain, {loop}, ErrorsAre::kSolvedWith);
+  ASSERT_EQ(to_add.size(), 1U);
+  ASSERT_EQ(to_leave.size(), 1U);
+  EXPECT_NEAR(outcome.objective, 3.0, 1e-6);  // 0.3 m over three edges of 0.1 m
+  EXPECT_NEAR(to_add[0], outcome.objective, 1e-6);
+  EXPECT_NEAR(to_leave[0], outcome.objective, 1e-6);
+}
+
+TEST(ErrorCosts, AnErrorThatAloneHoldsAPoseCostsNothing) {
+  std::vector<Pose> poses(2);
+  GraphProblem<GroupSe3> problem{poses, {true, false}};
+  const ceres::ResidualBlockId only = problem.add({0, 1, Pose{}, Matrix6d::Identity()}, RotationError::kLog);
+  EXPECT_EQ(error_costs(problem.problem(), {only}, {only}, ErrorsAre::kSolvedWith), std::vector<double>{0.0});
+}
+
 }  // namespace
 }  // namespace slamd

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <fstream>
+#include <optional>
 #include <random>
 
 #include "estimator/graph/chordal.hpp"
+#include "estimator/graph/edge_costs.hpp"
 #include "estimator/graph/gnc.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tools/slam-pgo/g2o_file.hpp"
@@ -128,6 +130,33 @@ TEST(Gnc, AWrongLoopAmongThemIsDroppedAlone) {
     EXPECT_EQ(outcome.weights.back(), 0.0) << seed;
     EXPECT_EQ(std::ranges::count(outcome.weights, 0.0), 1) << seed;
   }
+}
+
+/// A loop that is 4 m wrong where nothing holds the second lap for 50 poses on either side: they give way.
+TEST(WorstLoneEdge, IsTheWrongOneThoughItsOwnErrorIsSmall) {
+  PoseGraph<GroupSe2> graph = two_laps({30, 34, 80, 84, 130, 134}, 1);
+  Edge<GroupSe2> wrong = graph.edges.back();
+  wrong.from = 180;
+  wrong.to = 180 + kLap;
+  wrong.measured.translation.x() += 4.0;
+  graph.edges.push_back(wrong);
+  std::vector<bool> kept(graph.edges.size(), true);
+  ASSERT_TRUE(initialise_chordal(graph));
+  const double with = solve(graph, {}).objective;
+  const std::optional<LoneEdge> worst = worst_lone_edge(graph, kept, loops_of(graph));
+  ASSERT_TRUE(worst);
+  EXPECT_EQ(worst->edge, graph.edges.size() - 1);
+  EXPECT_GT(worst->adds, 10.0 * chi2(graph, graph.edges.back()));
+
+  graph.edges.pop_back();
+  const double without = solve(graph, {}).objective;
+  EXPECT_NEAR(worst->adds, with - without, 0.05 * with);
+  graph.edges.push_back(wrong);
+  kept.back() = false;
+  const std::vector<double> costs = costs_of_adding(graph, kept, {graph.edges.size() - 1});
+  ASSERT_EQ(costs.size(), 1U);
+  EXPECT_NEAR(costs[0], with - without, 0.05 * with);
+  EXPECT_FALSE(worst_lone_edge(graph, kept, loops_of(graph)));  // the right ones confirm each other in pairs
 }
 
 TEST(Gnc, QuantilesOfChi2AreThoseOfTables) {
