@@ -48,6 +48,9 @@ LidarThread::LidarThread(UdpSource packets, UdpSource positions, const Vlp16Conf
       report_{std::make_unique<LatestValue<LidarReport>>()} {}
 
 void LidarThread::run(const std::stop_token& stop) {
+  // Before the system's first reader of stamps it stamps nothing: what waits was stamped now, whenever it came.
+  packets_.drop_waiting();
+  positions_.drop_waiting();
   while (!stop.stop_requested()) {
     receive();
     read_positions();

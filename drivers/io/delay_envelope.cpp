@@ -84,11 +84,12 @@ class DelayEnvelope::Posterior {
     }
     return 0.5 * (low + high);
   }
-  /// Where log() has fallen by kNegligible on the side of `direction`.
+  /// Where log() has fallen by kNegligible on the side of `direction`, or the search ends: data that ask for a skew beyond it (a
+  /// queue that empties at once) would let log() grow there without bound.
   double edge(double mode, double direction) const {
     const double floor = log(mode) - kNegligible;
     double inside = mode;
-    double outside = prior_ + direction * 2.0 * kPriorSpan * sigma_;
+    double outside = prior_ + direction * kPriorSpan * sigma_;
     for (int i = 0; i < kBisectSteps; ++i) {
       const double middle = 0.5 * (inside + outside);
       (log(middle) > floor ? inside : outside) = middle;

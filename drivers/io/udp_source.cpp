@@ -192,6 +192,13 @@ std::span<const UdpPacket> UdpSource::receive(Duration timeout) {
   return {b.packets.data(), b.packet_count};
 }
 
+void UdpSource::drop_waiting() {
+  constexpr int kMost = 100'000;  // more than a receive buffer holds: a sender that never pauses must not keep us here
+  char byte = 0;
+  for (int i = 0; i < kMost && recv(batch_->socket, &byte, sizeof byte, MSG_DONTWAIT) >= 0; ++i) {
+  }
+}
+
 const UdpStats& UdpSource::stats() const {
   return batch_->stats;
 }

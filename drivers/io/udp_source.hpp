@@ -49,6 +49,9 @@ class UdpSource {
   /// call.
   std::span<const UdpPacket> receive(Duration timeout);
 
+  /// Throws away what waits in the socket, uncounted: of what came before a thread reads, no one knows when.
+  void drop_waiting();
+
   const UdpStats& stats() const;
   std::uint16_t port() const;
   /// What the kernel granted; less than asked for without CAP_NET_ADMIN and with a low net.core.rmem_max.

@@ -238,6 +238,31 @@ TEST(ClockSync, FindsALidarsFineJitterThoughItExpectsAnImus) {
   EXPECT_LT(sync.jitter(), 200us);
 }
 
+/// Data that waited before the first read have all the arrival of that read: the oldest seem fresh, the newest late.
+TEST(ClockSync, ABacklogReadAtOnceAtTheStartIsForgottenSoonAfter) {
+  for (const Duration backlog : {Duration{100ms}, Duration{900ms}, Duration{2s}}) {
+    ClockSync sync{imu_config()};
+    constexpr Duration kPeriod = 1327us;
+    constexpr Duration kOffset = 1000s;
+    const HostTime read{kOffset + backlog};
+    HostTime previous{};
+    Duration device{};
+    for (; device < backlog; device += kPeriod) {
+      const HostTime time = sync.update(DeviceTime{device}, read);
+      ASSERT_GT(time, previous);
+      ASSERT_LT(time, read + backlog) << "after " << to_seconds(device) << " s";
+      previous = time;
+    }
+    for (const Duration end = device + 3 * backlog; device < end; device += kPeriod) {
+      const HostTime time = sync.update(DeviceTime{device}, HostTime{kOffset + device + 350us});
+      ASSERT_GT(time, previous);
+      previous = time;
+    }
+    EXPECT_LT(std::abs(to_seconds(previous - HostTime{kOffset + device - kPeriod})), 1e-3) << to_seconds(backlog);
+    EXPECT_LT(sync.sigma(), 1ms);
+  }
+}
+
 TEST(CounterUnwrapper, CountsOnPastTheHour) {
   CounterUnwrapper hour{3600s};
   HostTime arrival{100s};

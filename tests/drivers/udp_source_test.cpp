@@ -102,6 +102,20 @@ TEST(UdpSource, ComesBackEmptyAfterItsTimeout) {
   EXPECT_EQ(source.stats().errors, 0U);
 }
 
+TEST(UdpSource, WhatWaitedIsThrownAwayWhenAskedAndTheNextComes) {
+  UdpSource source = open({});
+  Sender sensor{source.port()};
+  for (int i = 0; i < 100; ++i) sensor.send("old");
+  source.drop_waiting();
+  source.drop_waiting();
+  EXPECT_TRUE(source.receive(milliseconds{0}).empty());
+  sensor.send("new");
+  const auto packets = source.receive(milliseconds{2000});
+  ASSERT_EQ(packets.size(), 1U);
+  EXPECT_EQ(text(packets[0]), "new");
+  EXPECT_EQ(source.stats().packets, 1U);
+}
+
 TEST(UdpSource, DropsAndCountsOtherSenders) {
   UdpSourceConfig config;
   config.source_address = "127.0.0.2";
