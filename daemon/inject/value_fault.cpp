@@ -32,14 +32,17 @@ std::optional<ImuSample> ImuValueFault::apply(const ImuSample& sample) {
 
 std::optional<GnssFix> GnssValueFault::apply(const GnssFix& fix) {
   constexpr double kEast_m = 50.0;
+  constexpr double kMoving_mps = 1.0;
   constexpr double kMetresPerDegree = 111'320.0;  // of longitude on the equator
   const FaultVerb verb = verbs_.verb(fix.arrival);
   if (verb != FaultVerb::kStuck) stuck_.reset();
   if (verb == FaultVerb::kSlow && !slow_.lets_through()) return std::nullopt;
   GnssFix given = fix;
   if (verb == FaultVerb::kStuck) {
-    if (!stuck_) stuck_ = fix;
+    const bool repeats = stuck_.has_value();
+    if (!repeats) stuck_ = fix;
     given = *stuck_;
+    given.stale = repeats && stuck_->speed_mps > kMoving_mps;  // as the parser marks a position that stays while the vehicle moves
     given.time = fix.time;
     given.arrival = fix.arrival;
     given.utc = fix.utc;

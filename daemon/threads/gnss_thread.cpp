@@ -58,6 +58,7 @@ void GnssThread::take(const GnssFix& fix) {
   ++now_.fixes;
   streams_.gnss.try_push(fix);
   now_.last_arrival = fix.arrival;
+  now_.is_stuck = fix.stale;
   if (fix.utc_valid) streams_.utc_offset_ns.store(to_ns(fix.utc) - to_ns(fix.time), std::memory_order_relaxed);
 }
 

@@ -30,6 +30,7 @@ struct GnssReport {
   NmeaSentenceStats sentences;
   SourceStats serial;
   bool device_open = false;
+  bool is_stuck = false;   // the newest fix repeats the one before, though the vehicle moves
 };
 
 class GnssThread {

@@ -30,6 +30,18 @@ std::uint64_t sum_of(const SourceHealth& health) {
                          [](std::uint64_t sum, const auto& entry) { return sum + entry.second; });
 }
 
+/// What the reports of both serial sensors have in common. bytes, items  so far
+template <class Report>
+SensorEvidence serial_evidence(const Report& report, std::uint64_t bytes, std::uint64_t items) {
+  SensorEvidence told;
+  told.present = report.device_open;
+  told.heard = instant(bytes > 0, report.last_bytes);
+  told.good_at = instant(items > 0, report.last_arrival);
+  told.good = items;
+  told.bad = sum_of(source_health(report));
+  return told;
+}
+
 }  // namespace
 
 SourceHealth source_health(const LidarReport& report) {
@@ -90,12 +102,7 @@ SensorEvidence evidence(const LidarReport& report, const std::optional<PoseSampl
 }
 
 SensorEvidence evidence(const ImuReport& report, const std::optional<PoseSample>& pose) {
-  SensorEvidence told;
-  told.present = report.device_open;
-  told.heard = instant(report.source.bytes > 0, report.last_bytes);
-  told.good_at = instant(report.samples > 0, report.last_arrival);
-  told.good = report.samples;
-  told.bad = sum_of(source_health(report));
+  SensorEvidence told = serial_evidence(report, report.source.bytes, report.samples);
   told.lost = report.parser.missing;
   told.clock_sure = report.clock.locked;
   if (says(pose, StatusReason::kNoImu)) told.use = Use::kRefused;
@@ -103,15 +110,11 @@ SensorEvidence evidence(const ImuReport& report, const std::optional<PoseSample>
 }
 
 SensorEvidence evidence(const GnssReport& report, const std::optional<GnssState>& gnss) {
-  SensorEvidence told;
-  told.present = report.device_open;
-  told.heard = instant(report.serial.bytes > 0, report.last_bytes);
-  told.good_at = instant(report.fixes > 0, report.last_arrival);
+  SensorEvidence told = serial_evidence(report, report.serial.bytes, report.fixes);
   told.good = report.sentences.sentences;  // of which a fix is made of several
-  told.bad = sum_of(source_health(report));
   told.spoke = instant(report.sentences.sentences > 0, report.last_sentence);
   if (gnss && gnss->trust == GnssTrust::kDoubtful) told.use = Use::kDoubted;
-  if (gnss && gnss->trust == GnssTrust::kFaulty) told.use = Use::kRefused;
+  if (report.is_stuck || (gnss && gnss->trust == GnssTrust::kFaulty)) told.use = Use::kRefused;
   return told;
 }
 

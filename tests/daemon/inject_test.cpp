@@ -127,6 +127,24 @@ TEST(ImuValueFault, StuckRepeatsTheFirstValuesAndWrongAddsToThem) {
   EXPECT_EQ(through, 25);
 }
 
+TEST(GnssValueFault, StuckIsMarkedStaleWhileTheVehicleMoves) {
+  FaultSwitch verbs;
+  verbs.set(FaultVerb::kStuck, kForEver);
+  for (const double speed_mps : {8.0, 0.0}) {
+    GnssValueFault fault{verbs};
+    GnssFix fix{.time = at(1), .arrival = at(1), .utc = {}};
+    fix.speed_mps = speed_mps;
+    fix.latitude_deg = 48.0;
+    EXPECT_FALSE(fault.apply(fix)->stale);
+    fix.time = fix.arrival = at(2);
+    fix.latitude_deg = 48.1;
+    const GnssFix repeated = *fault.apply(fix);
+    EXPECT_EQ(repeated.latitude_deg, 48.0);
+    EXPECT_EQ(repeated.time, at(2));
+    EXPECT_EQ(repeated.stale, speed_mps > 0.0);
+  }
+}
+
 TEST(GnssValueFault, WrongIsFiftyMetresEast) {
   FaultSwitch verbs;
   verbs.set(FaultVerb::kWrong, kForEver);

@@ -39,6 +39,10 @@ TEST(SensorEvidence, ALidarIsPresentWhileItWasHeardLately) {
 TEST(SensorEvidence, ThePoseSaysWhichSensorTheEstimatorDoesNotBelieve) {
   using Use = SensorEvidence::Use;
   EXPECT_EQ(evidence(ImuReport{}, pose_that_says(StatusReason::kNoImu)).use, Use::kRefused);
+  GnssReport stuck;
+  EXPECT_EQ(evidence(stuck, std::nullopt).use, Use::kUsed);
+  stuck.is_stuck = true;
+  EXPECT_EQ(evidence(stuck, std::nullopt).use, Use::kRefused);
   EXPECT_EQ(evidence(ImuReport{}, pose_that_says(StatusReason::kNoLidar)).use, Use::kUsed);
   EXPECT_EQ(evidence(LidarReport{}, pose_that_says(StatusReason::kNoLidar), at_s(1)).use, Use::kRefused);
   EXPECT_EQ(evidence(LidarReport{}, pose_that_says(StatusReason::kInnovation), at_s(1)).use, Use::kDoubted);
