@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <ranges>
+#include <span>
 #include <utility>
 
 namespace slamd {
@@ -237,7 +237,7 @@ std::optional<Recognition> LoopCloser::recognise(const GraphView& view, const Pi
   }
   describe_restored(view);
   const std::vector<PlaceMatch> matches = ranked_places(describe(here), [](std::size_t) { return true; });
-  for (const PlaceMatch& m : matches | std::views::take(kLooksTried)) {
+  for (const PlaceMatch& m : std::span{matches}.first(std::min(matches.size(), kLooksTried))) {
     if (m.distance > config_.max_descriptor_distance) break;
     if (const std::optional<Recognition> found = check(places_[m.place], guess_of(m))) return found;
   }

@@ -127,7 +127,7 @@ std::uint32_t voxels_of(std::span<const Eigen::Vector3f> points, float voxel_siz
   voxels.reserve(points.size());
   for (const Eigen::Vector3f& p : points) voxels.push_back(along(p.x()) << 42U | along(p.y()) << 21U | along(p.z()));
   std::ranges::sort(voxels);
-  voxels.erase(std::ranges::unique(voxels).begin(), voxels.end());
+  voxels.erase(std::unique(voxels.begin(), voxels.end()), voxels.end());
   return static_cast<std::uint32_t>(std::min(voxels.size() + voxels.size() / 64 + kMargin, kMost));
 }
 

@@ -23,7 +23,6 @@ void ScanMotion::bend(const Pose& T_end_corrected) {
 
 void ScanMotion::finish(const Pose& T_imu_lidar) {
   pieces_.clear();
-  pieces_.reserve(knots_.capacity());
   if (knots_.empty()) return;
   const Pose T_end_odom = (knots_.back().T_odom_imu * T_imu_lidar).inverse();
   for (std::size_t i = 0; i < knots_.size(); ++i) {

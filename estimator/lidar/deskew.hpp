@@ -11,7 +11,10 @@ namespace slamd {
 /// The vehicle's motion over one scan as knots in time with constant twist between them.
 class ScanMotion {
  public:
-  explicit ScanMotion(std::size_t max_knots) { knots_.reserve(max_knots); }
+  explicit ScanMotion(std::size_t max_knots) {
+    knots_.reserve(max_knots);
+    pieces_.reserve(max_knots);
+  }
 
   /// Starts anew at a scan's begin.
   void clear() { knots_.clear(); }
