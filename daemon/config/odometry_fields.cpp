@@ -87,6 +87,15 @@ Fields sanity_fields(ImuSanityConfig& c) {
   };
 }
 
+Fields doubt_fields(ImuDoubtConfig& c) {
+  return {
+      {"odometry.imu_doubt.most_correction_sigmas", &c.most_correction_sigmas, "", {0.1, 1e6},
+       "a scan that moves the IMU's prediction by more is fused without the IMU"},
+      {"odometry.imu_doubt.gyro_bias_rads", &c.gyro_bias_rads, "rad/s", kSigma, "sigma of the gyro bias after that"},
+      {"odometry.imu_doubt.accel_bias_mps2", &c.accel_bias_mps2, "m/s^2", kSigma, "likewise of the accelerometer bias"},
+  };
+}
+
 Fields start_fields(StarterConfig& start) {
   InitialisationConfig& c = start.initialisation;
   return {
@@ -222,6 +231,8 @@ Fields registration_fields(ScanRegistrationConfig& c) {
        "of one scan in the other directions while one is free"},
       {"odometry.update.skewed_sigma_m", &c.skewed_sigma_m, "m", {0, 10},
        "of the first scan after a gap that left the prior unsure; it does not enter the map either"},
+      {"odometry.update.guessed_sigma_m", &c.guessed_sigma_m, "m", {0, 10},
+       "of a scan in whose time the IMU was silent, or its biases not known"},
       {"odometry.update.estimate_extrinsic",
        &u.estimate_extrinsic,
        "",
@@ -238,6 +249,7 @@ Fields odometry_fields(OdometryConfig& c) {
   append(fields, start_fields(c.start));
   append(fields, moving_start_fields(c.fusion.velocity_search));
   append(fields, sanity_fields(c.imu.sanity));
+  append(fields, doubt_fields(c.imu_doubt));
   append(fields, scan_fields(c.scans.assembler));
   append(fields, dead_reckoning_fields(c.dead_reckoning));
   append(fields, map_fields(c.fusion.registration.map));

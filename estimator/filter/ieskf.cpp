@@ -113,6 +113,12 @@ class Step {
   Eigen::Matrix<double, I::kSize, I::kMeasured> corrected_;  // K H, its columns of the measured states
 };
 
+/// |correction|^2 of the three states at `row` in the prior's covariance.
+double in_prior_sigmas(const FilterSnapshot& prior, const ErrorVector& correction, int row) {
+  const Eigen::Matrix3d covariance = prior.covariance.block<3, 3>(row, row);
+  return correction.segment<3>(row).dot(covariance.ldlt().solve(correction.segment<3>(row)));
+}
+
 double position_sigma(const ErrorCovariance& p) {
   return std::sqrt(p.block<3, 3>(I::kPosition, I::kPosition).trace());
 }
@@ -140,9 +146,10 @@ void forget_free_directions(const IeskfConfig& config, Linearisation& scan, Upda
 /// information on the others leaks into it, scan by scan: while one is free the others are told to a centimetre, not to a
 /// millimetre. Likewise all of a scan that an unsure velocity has skewed.
 double believed(const IeskfConfig& config, const Linearisation& scan, const UpdateSummary& summary) {
-  const bool skewed = !summary.sure && config.unsure_sigma_m > 0.0;
-  if (summary.free_translations == 0 && !skewed) return config.information_scale;
-  const double sigma_m = skewed ? config.unsure_sigma_m : config.degenerate_sigma_m;
+  double sigma_m = config.least_sigma_m;
+  if (!summary.sure) sigma_m = std::max(sigma_m, config.unsure_sigma_m);
+  if (summary.free_translations > 0) sigma_m = std::max(sigma_m, config.degenerate_sigma_m);
+  if (sigma_m == 0.0) return config.information_scale;
   const double most = 1.0 / (sigma_m * sigma_m);
   return std::min(config.information_scale, most / scan.information.block<3, 3>(I::kPosition, I::kPosition).trace());
 }
@@ -179,7 +186,12 @@ UpdateSummary update(const IeskfConfig& config, std::span<const MeasuredPoint> p
     const auto moved_now = step->error().head<6>();
     gate_covariance = step->pose_covariance() + moved_now * moved_now.transpose();
   }
-  if (step) step->finish(filter);
+  if (step) {
+    const ErrorVector correction = boxminus(state, filter.state);
+    summary.attitude_correction = in_prior_sigmas(filter, correction, I::kAttitude);
+    summary.position_correction = in_prior_sigmas(filter, correction, I::kPosition);
+    step->finish(filter);
+  }
   summary.corrected_mps = state.v_odom_imu - filter.state.v_odom_imu;
   filter.state = state;
   summary.fused = step.has_value();

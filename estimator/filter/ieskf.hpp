@@ -20,6 +20,7 @@ struct IeskfConfig {
   double degenerate_share = 0.002;         // likewise below this share of all the residuals' information
   double degenerate_sigma_m = 0.01;        // of one scan in the other directions while one of position is free
   double unsure_sigma_m = 0.0;             // of one scan whose prior was not sure (associate_again_m); 0 = as any other
+  double least_sigma_m = 0.0;              // of one scan in any case; 0 = what its residuals say
   bool estimate_extrinsic = false;
 };
 
@@ -31,6 +32,8 @@ struct UpdateSummary {
   std::uint32_t matched = 0;
   std::uint32_t inliers = 0;
   Eigen::Vector3d corrected_mps = Eigen::Vector3d::Zero();  // velocity, posterior less prior, odom
+  double attitude_correction = 0.0;   // by the scan, in squared sigmas of the prior
+  double position_correction = 0.0;   // likewise
   double test_ratio = 0.0;      // mean squared normalised residual; points beyond the gate count as at it
   int free_translations = 0;    // directions of position and axes of attitude that the prior alone holds
   int free_rotations = 0;

@@ -41,6 +41,18 @@ class DeadReckoning {
     return summary;
   }
 
+  /// Likewise, as if nothing had been measured.
+  template <class OnKnot>
+  DeadReckoningSummary coast(HostTime to, FilterSnapshot& filter, OnKnot&& on_knot) const {
+    constexpr Duration kStep = std::chrono::milliseconds{10};
+    DeadReckoningSummary summary;
+    while (filter.time < to) {
+      step({.from = filter.time, .to = std::min(to, filter.time + kStep)}, filter, summary);
+      on_knot(static_cast<const FilterSnapshot&>(filter));
+    }
+    return summary;
+  }
+
  private:
   void step(const ImuPiece& piece, FilterSnapshot& filter, DeadReckoningSummary& summary) const;
 

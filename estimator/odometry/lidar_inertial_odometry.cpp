@@ -77,9 +77,9 @@ const ScanResult* LidarInertialOdometry::fuse(const Scan& scan) {
   last_scan_ = scan.end;
   const bool was_lost = fusion_.velocity_search().is_overdue(scan.end);
   const FilterSnapshot before = filter_;
-  const DeadReckoningSummary carried = carry_to(scan);
-  finished(Stage::kPropagate);
-  result_.update = fusion_.fuse(scan, carried.measured_s == 0.0, filter_, listener_);
+  const DeadReckoningSummary carried = match(scan);
+  fusion_.absorb(scan, result_.update, filter_);
+  finished(Stage::kInsert);
   if (!is_sane(filter_)) return start_over(scan.end);
   if (was_lost && !fusion_.velocity_search().is_on()) ++stats_.resets;
   estimate_rate(before, carried);
@@ -101,25 +101,69 @@ bool LidarInertialOdometry::start(const Scan& scan) {
   return true;
 }
 
+/// The scan on the prior that the IMU gives. Where the two contradict each other: on that of an IMU with unknown biases, or
+/// without it, whichever first explains what the scan sees. A contradiction that nothing explains is not fused.
+DeadReckoningSummary LidarInertialOdometry::match(const Scan& scan) {
+  const FilterSnapshot before = filter_;
+  DeadReckoningSummary carried = match_from(before, scan, true);
+  const bool can_doubt = carried.coasted_s == 0.0 && !fusion_.velocity_search().is_on() &&
+                         result_.update.matched >= config_.fusion.registration.update.min_inliers;
+  if (!can_doubt || is_explained()) return carried;
+  const UpdateSummary contradiction = result_.update;
+  FilterSnapshot doubted = before;
+  doubt_biases(config_.imu_doubt, contradiction, doubted);
+  doubted.angular_velocity_rads = turn_rads_;
+  for (const bool with_imu : {true, false}) {
+    carried = match_from(doubted, scan, with_imu);
+    if (!is_explained()) continue;
+    result_.imu_contradicted = true;
+    ++stats_.imu_contradicted;
+    return carried;
+  }
+  const bool only_residuals = contradiction.fused && !is_moved(config_.imu_doubt, contradiction);
+  if (only_residuals) return match_from(before, scan, true);
+  filter_ = doubted;
+  result_.update = contradiction;
+  result_.update.fused = false;
+  return carry_to(scan, true);
+}
+
+bool LidarInertialOdometry::is_explained() const {
+  return explains(config_.imu_doubt, result_.update, config_.status.max_test_ratio);
+}
+
+DeadReckoningSummary LidarInertialOdometry::match_from(const FilterSnapshot& before, const Scan& scan, bool with_imu) {
+  filter_ = before;
+  const DeadReckoningSummary carried = carry_to(scan, with_imu);
+  finished(Stage::kPropagate);
+  result_.update = fusion_.match(scan, carried.measured_s == 0.0, filter_, listener_);
+  return carried;
+}
+
 /// Dead reckoning to the scan's end; the knots inside the scan go to the de-skewing.
-DeadReckoningSummary LidarInertialOdometry::carry_to(const Scan& scan) {
+DeadReckoningSummary LidarInertialOdometry::carry_to(const Scan& scan, bool with_imu) {
   ScanMotion& motion = fusion_.motion();
   motion.clear();
   const auto nothing = [](const FilterSnapshot&) {};
   const auto add_knot = [&](const FilterSnapshot& at) {
     motion.add(to_seconds(at.time - scan.begin), at.state.T_odom_imu());
   };
+  const auto advance = [&](HostTime to, const auto& on_knot) {
+    return with_imu ? dead_reckoning_.advance(imu_.samples(), to, filter_, on_knot)
+                    : dead_reckoning_.coast(to, filter_, on_knot);
+  };
   DeadReckoningSummary carried;
-  if (filter_.time < scan.begin) carried = dead_reckoning_.advance(imu_.samples(), scan.begin, filter_, nothing);
+  if (filter_.time < scan.begin) carried = advance(scan.begin, nothing);
   add_knot(filter_);
-  return carried + dead_reckoning_.advance(imu_.samples(), scan.end, filter_, add_knot);
+  return carried + advance(scan.end, add_knot);
 }
 
 /// Without gyro the body rate is what turned the vehicle from one posterior to the next.
 void LidarInertialOdometry::estimate_rate(const FilterSnapshot& before, const DeadReckoningSummary& carried) {
-  if (carried.coasted_s == 0.0 || !result_.update.fused) return;
+  if (!result_.update.fused) return;
   const Eigen::Vector3d turn = log_so3(before.state.R_odom_imu.conjugate() * filter_.state.R_odom_imu);
-  filter_.angular_velocity_rads = turn / to_seconds(filter_.time - before.time);
+  turn_rads_ = turn / to_seconds(filter_.time - before.time);
+  if (carried.coasted_s > 0.0) filter_.angular_velocity_rads = turn_rads_;
 }
 
 void LidarInertialOdometry::pick_keyframe(const Scan& scan) {
@@ -192,6 +236,7 @@ void LidarInertialOdometry::conclude(const DeadReckoningSummary& carried, bool c
        .imu_is_alive = imu_.is_alive(state.time),
        .coasted = carried.coasted_s > 0.0,
        .clipped = carried.clipped,
+       .imu_contradicted = result_.imu_contradicted,
        .clock_unsure = imu_.is_clock_unsure(state.time) || queue_.is_clock_unsure(state.time),
        .map_is_mature = fusion_.map_is_mature(),
        .map_restarted = fusion_.restarted(),

@@ -3,6 +3,7 @@
 // input events; no thread, clock, file or log. The 200 Hz pose between scans is odometry/pose_predictor.
 
 #include "estimator/odometry/dead_reckoning.hpp"
+#include "estimator/odometry/imu_doubt.hpp"
 #include "estimator/odometry/keyframe_picker.hpp"
 #include "estimator/odometry/scan_fusion.hpp"
 #include "estimator/odometry/scan_queue.hpp"
@@ -18,6 +19,7 @@ struct OdometryConfig {
   StarterConfig start;
   DeadReckoningConfig dead_reckoning;
   ScanFusionConfig fusion;
+  ImuDoubtConfig imu_doubt;
   StatusConfig status;
   KeyframeConfig keyframes;
   /// No scan for so long: DEGRADED no_lidar, and ten poses a second by dead reckoning instead. They describe the instant
@@ -31,6 +33,7 @@ struct ScanResult {
   NavState state;             // posterior at scan end
   FilterSnapshot snapshot;    // for PosePredictor::correct
   UpdateSummary update;
+  bool imu_contradicted = false;  // fused without it, see imu_doubt
   bool has_scan = false;      // false: only time passed (no_lidar)
   bool is_keyframe = false;   // then keyframe_points() is of this scan, and so are
   Matrix6d relative_covariance = Matrix6d::Zero();  // see Keyframe
@@ -46,6 +49,7 @@ struct OdometryStats {
   std::uint64_t scans_late = 0;      // older than the filter when they came
   std::uint64_t scans_thinned = 0;   // fused with a share of their points
   std::uint64_t scans_let_go = 0;    // not even that
+  std::uint64_t imu_contradicted = 0;  // scans fused without the IMU, because they tell another motion
   std::uint64_t resets = 0;          // odom begun anew: the state was no number any more, or lost
 };
 
@@ -77,7 +81,10 @@ class LidarInertialOdometry {
  private:
   const ScanResult* fuse(const Scan& scan);
   bool start(const Scan& scan);
-  DeadReckoningSummary carry_to(const Scan& scan);
+  DeadReckoningSummary match(const Scan& scan);
+  bool is_explained() const;
+  DeadReckoningSummary match_from(const FilterSnapshot& before, const Scan& scan, bool with_imu);
+  DeadReckoningSummary carry_to(const Scan& scan, bool with_imu);
   void estimate_rate(const FilterSnapshot& before, const DeadReckoningSummary& carried);
   void pick_keyframe(const Scan& scan);
   bool has_lost_its_way(const Scan& scan) const;
@@ -100,6 +107,7 @@ class LidarInertialOdometry {
   KeyframePicker keyframes_;
   FilterSnapshot filter_;
   FilterSnapshot trusted_;   // the newest one that no sample of a broken IMU can have touched
+  Eigen::Vector3d turn_rads_ = Eigen::Vector3d::Zero();  // imu frame, mean over the newest scan that was fused
   HostTime now_;
   HostTime last_scan_;       // end of the newest one that was fused or began a map
   ScanResult result_;

@@ -27,27 +27,28 @@ void ScanFusion::begin(const InitialState& first) {
   first.at_rest ? velocity_search_.end() : velocity_search_.begin(first);
 }
 
-UpdateSummary ScanFusion::fuse(const Scan& scan, bool coasted, FilterSnapshot& filter, StageListener* listener) {
+bool ScanFusion::is_after_gap(const Scan& scan) const {
+  return !velocity_search_.is_on() && had_imu_ && scan.end - fused_at_ > kGap;
+}
+
+UpdateSummary ScanFusion::match(const Scan& scan, bool coasted, FilterSnapshot& filter, StageListener* listener) {
   had_imu_ = had_imu_ || !coasted;
-  const bool alone = !had_imu_;
+  const PriorMotion motion{.coasted = coasted, .alone = !had_imu_, .after_gap = is_after_gap(scan)};
   const auto finished = [listener](Stage stage) {
     if (listener != nullptr) listener->finished(stage);
   };
-  const bool after_gap = !velocity_search_.is_on() && !alone && scan.end - fused_at_ > kGap;
   registration_.deskew(scan, filter.state.T_imu_lidar);
   finished(Stage::kDeskew);
   UpdateSummary update;
-  if (map().size() > 0) update = registration_.update(scan, alone, after_gap, filter, listener);
+  if (map().size() > 0) update = registration_.update(scan, motion, filter, listener);
   finished(Stage::kSolve);
-  if (update.fused) fused_at_ = scan.end;
-  absorb(update, after_gap, filter);
-  finished(Stage::kInsert);
   return update;
 }
 
 /// What the update means for the map. While the velocity is being found scans are skewed by what is wrong with it, so each
 /// is compared with the one before only.
-void ScanFusion::absorb(const UpdateSummary& update, bool after_gap, FilterSnapshot& filter) {
+void ScanFusion::absorb(const Scan& scan, const UpdateSummary& update, FilterSnapshot& filter) {
+  const bool after_gap = is_after_gap(scan);
   const bool makes_map = registration_.segments() >= config_.registration.update.min_inliers;
   const bool first = map().size() == 0 && makes_map;
   const bool searching = velocity_search_.is_on();
@@ -64,6 +65,7 @@ void ScanFusion::absorb(const UpdateSummary& update, bool after_gap, FilterSnaps
   if (first || gives_up || skewed) begin_map(new_map, filter);
   const bool spoils_map = after_gap && !update.sure && map().size() > 0;
   if (unfused_ == 0 && !spoils_map) registration_.insert(filter.state);
+  if (unfused_ == 0) fused_at_ = scan.end;
   odom_is_told_ = true;
 }
 

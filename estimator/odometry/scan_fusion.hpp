@@ -28,16 +28,20 @@ class ScanFusion {
 
   /// A first state: no map, and a search for the velocity when it is not known.
   void begin(const InitialState& first);
-  /// The motion during the next scan, to be filled knot by knot before fuse().
+  /// The motion during the next scan, to be filled knot by knot before match().
   ScanMotion& motion() { return registration_.motion(); }
   /// Which share of the points of the scans from now on is worked on, 0..1 and not 0.
   void limit(double share) { registration_.limit(share); }
-  /// De-skews the scan, updates `filter` (at the scan's end) with it and inserts it into the map; where there is no map to
-  /// compare with it begins one. The filter is unchanged when the summary says that nothing fused. No allocation.
+  /// De-skews the scan and updates `filter` (at the scan's end) with it, where there is a map to compare with. The filter is
+  /// unchanged when the summary says that nothing fused. No allocation.
   /// coasted: no IMU measured any of the scan's motion. listener hears of every stage; may be null.
-  UpdateSummary fuse(const Scan& scan, bool coasted, FilterSnapshot& filter, StageListener* listener);
+  UpdateSummary match(const Scan& scan, bool coasted, FilterSnapshot& filter, StageListener* listener);
+  /// Whether no scan was fused for so long before this one that its motion is a guess.
+  bool is_after_gap(const Scan& scan) const;
+  /// Inserts the scan just matched into the map, or begins one with it. Once a scan.
+  void absorb(const Scan& scan, const UpdateSummary& update, FilterSnapshot& filter);
 
-  /// The map's walk while the vehicle moved from the posterior before to `filter`. Once a scan, after fuse().
+  /// The map's walk while the vehicle moved from the posterior before to `filter`. Once a scan, after absorb().
   void carry_drift(const FilterSnapshot& before, FilterSnapshot& filter);
   KeyframeRelation& keyframe_relation() { return relation_; }
 
@@ -51,7 +55,6 @@ class ScanFusion {
   const ScanFusionStats& stats() const { return stats_; }
 
  private:
-  void absorb(const UpdateSummary& update, bool after_gap, FilterSnapshot& filter);
   struct NewMap {
     bool defines_odom;   // no pose was told yet that it could contradict
     bool moving;         // its first scans are skewed
@@ -64,7 +67,7 @@ class ScanFusion {
   VelocitySearch velocity_search_;
   KeyframeRelation relation_;
   std::uint32_t unfused_ = 0;
-  HostTime fused_at_{};         // end of the newest scan that the filter took
+  HostTime fused_at_{};         // end of the newest scan that the filter or a new map took
   bool had_imu_ = true;         // at any time since the start; without, the LiDAR is alone and believed whole
   bool odom_is_told_ = false;   // poses of this odom are out: a new map must carry their uncertainty on
   bool restarted_ = false;

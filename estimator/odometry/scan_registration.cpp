@@ -5,13 +5,15 @@ namespace slamd {
 namespace {
 
 constexpr std::size_t kMaxKnots = 4'096;
-constexpr int kPassesAlone = 3;   // each de-skews by the motion that the one before found
+// Each pass de-skews by the motion that the one before found.
+constexpr int kPassesOfGuess = 3;
+constexpr int kMostPassesOfBias = 8;
 // Mean squared normalised residual. Alone, what the pose agrees with least is a map of poses that were wrong: on such a map
 // the next pose is as wrong and sure of it. Good drives stay below 5 from their first metre on.
 constexpr double kMostTestRatioAlone = 6.0;
 
-/// Where no IMU holds the prior every iteration associates anew.
-IeskfConfig without_imu(IeskfConfig config) {
+/// Where the prior is a guess every iteration associates anew.
+IeskfConfig by_guess(IeskfConfig config) {
   config.associate_again_m = 0.0;
   return config;
 }
@@ -43,36 +45,36 @@ std::size_t ScanRegistration::share_of(std::size_t count) const {
   return share_ < 1.0 ? static_cast<std::size_t>(share_ * static_cast<double>(count)) : count;
 }
 
-UpdateSummary ScanRegistration::update(const Scan& scan, bool alone, bool after_gap, FilterSnapshot& filter,
+UpdateSummary ScanRegistration::update(const Scan& scan, const PriorMotion& motion, FilterSnapshot& filter,
                                        StageListener* listener) {
   // A prior that is off by more went wrong before this scan, and says nothing of the motion during it.
   constexpr double kMostSigma_m = 0.3;
-  const auto position = filter.covariance.block<3, 3>(ErrorIndex::kPosition, ErrorIndex::kPosition);
-  const bool sure = position.trace() < kMostSigma_m * kMostSigma_m;
-  if (!alone) {
-    IeskfConfig config = config_.update;
-    if (after_gap) config.unsure_sigma_m = config_.skewed_sigma_m;
-    return pass(scan, config, filter, listener);
-  }
+  // A gyro with a bias less known than this does not tell the turn during a scan as well as the scan itself.
+  constexpr double kKnownBias_rads = 2.0e-3;
+  const auto variance = [&](int row) { return filter.covariance.diagonal().segment<3>(row).sum(); };
+  const bool sure = variance(ErrorIndex::kPosition) < kMostSigma_m * kMostSigma_m;
+  const bool biased = !motion.coasted && variance(ErrorIndex::kGyroBias) > 3.0 * kKnownBias_rads * kKnownBias_rads;
+  const bool guessed = sure && (motion.coasted || biased);
+  IeskfConfig config = guessed ? by_guess(config_.update) : config_.update;
+  if (guessed && !motion.alone) config.least_sigma_m = config_.guessed_sigma_m;
+  if (motion.after_gap) config.unsure_sigma_m = config_.skewed_sigma_m;
   const FilterSnapshot prior = filter;
-  UpdateSummary summary = pass(scan, sure ? without_imu(config_.update) : config_.update, filter, listener);
-  for (int i = 1; sure && summary.fused && i < kPassesAlone; ++i) {
+  UpdateSummary summary;
+  int left = !guessed ? 1 : biased ? kMostPassesOfBias : kPassesOfGuess;
+  for (; left > 0; --left) {
     filter = prior;
-    summary = pass(scan, without_imu(config_.update), filter, listener);
+    summary = slamd::update(config, chosen_, residuals_, map_, filter, listener);
+    if (!summary.fused) break;
+    // Where the scan's begin is known, an error of rate shows by half in the end: that is its mean over the scan.
+    const Pose shown = motion_.end().inverse() * filter.state.T_odom_imu();
+    const bool settled = biased && log_so3(shown.rotation).norm() < config.converged_rotation_rad;
+    if (settled) left = 1;
+    motion_.bend(biased && left > 1 ? shown * shown : shown);
+    deskew(scan, filter.state.T_imu_lidar);
   }
-  if (summary.fused && summary.test_ratio > kMostTestRatioAlone) {
+  if (motion.alone && summary.fused && summary.test_ratio > kMostTestRatioAlone) {
     filter = prior;
     summary.fused = false;
-  }
-  return summary;
-}
-
-UpdateSummary ScanRegistration::pass(const Scan& scan, const IeskfConfig& config, FilterSnapshot& filter,
-                                     StageListener* listener) {
-  const UpdateSummary summary = slamd::update(config, chosen_, residuals_, map_, filter, listener);
-  if (summary.fused) {
-    motion_.bend(motion_.end().inverse() * filter.state.T_odom_imu());
-    deskew(scan, filter.state.T_imu_lidar);
   }
   return summary;
 }

@@ -13,7 +13,15 @@ struct ScanRegistrationConfig {
   PointToPlaneConfig point_to_plane;
   IeskfConfig update;
   double skewed_sigma_m = 0.05;       // of the first scan after a gap that made the prior unsure
+  double guessed_sigma_m = 0.01;      // of a scan in whose time a present IMU was silent, or its biases not known
   std::uint32_t max_points = 3'500;   // segments that take part in one update, evenly chosen
+};
+
+/// What is known of a scan's motion before it is registered.
+struct PriorMotion {
+  bool coasted = false;     // no IMU measured it
+  bool alone = false;       // nor ever any: the scan's motion is a guess, and a scan that contradicts the map is not fused
+  bool after_gap = false;   // no scan before it for long: where the prior became unsure its velocity has skewed the scan
 };
 
 class ScanRegistration {
@@ -29,10 +37,8 @@ class ScanRegistration {
   /// Moves the scan's segments to the scan's end. Once a scan, before update() and insert().
   void deskew(const Scan& scan, const Pose& T_imu_lidar);
   /// Fuses the de-skewed segments; see slamd::update. When it did, the segments are de-skewed anew by the motion that the
-  /// posterior implies. alone: no IMU has ever measured any motion: a scan's own is a guess, and a scan that
-  /// contradicts the map is not fused.
-  /// after_gap: no scan before it for long; where the prior became unsure meanwhile its velocity has skewed the scan.
-  UpdateSummary update(const Scan& scan, bool alone, bool after_gap, FilterSnapshot& filter, StageListener* listener);
+  /// posterior implies; several times over where the motion was a guess.
+  UpdateSummary update(const Scan& scan, const PriorMotion& prior, FilterSnapshot& filter, StageListener* listener);
   /// Adds the de-skewed segments to the map at the filter's pose, when that is a new viewpoint.
   void insert(const InertialState& state);
 
@@ -44,7 +50,6 @@ class ScanRegistration {
 
  private:
   std::size_t share_of(std::size_t count) const;
-  UpdateSummary pass(const Scan& scan, const IeskfConfig& config, FilterSnapshot& filter, StageListener* listener);
 
   ScanRegistrationConfig config_;
   double share_ = 1.0;

@@ -8,7 +8,8 @@ std::uint32_t reasons_of(const StatusConfig& config, const Evidence& e) {
   std::uint32_t reasons = 0;
   const auto say = [&](bool holds, StatusReason reason) { reasons |= holds ? bit(reason) : 0U; };
   say(!e.imu_is_alive, StatusReason::kNoImu);
-  say(e.coasted && e.imu_is_alive, StatusReason::kImuGap);
+  say(e.coasted && e.imu_is_alive && !e.imu_contradicted, StatusReason::kImuGap);
+  say(e.imu_contradicted, StatusReason::kImuContradicted);
   say(e.clipped, StatusReason::kImuClipped);
   say(e.clock_unsure, StatusReason::kClockUnsure);
   say(!e.has_scan, StatusReason::kNoLidar);

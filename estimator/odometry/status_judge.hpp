@@ -19,6 +19,7 @@ struct Evidence {
   bool imu_is_alive = true;
   bool coasted = false;              // a part of the motion was not measured
   bool clipped = false;
+  bool imu_contradicted = false;     // the scan's motion is another one than the IMU's
   bool clock_unsure = false;
   bool map_is_mature = false;        // seen from enough places to be contradicted by a scan
   bool map_restarted = false;

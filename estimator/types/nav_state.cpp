@@ -27,6 +27,7 @@ const char* name(StatusReason reason) {
     case StatusReason::kReset: return "reset";
     case StatusReason::kLidarIncomplete: return "lidar_incomplete";
     case StatusReason::kRelocalising: return "relocalising";
+    case StatusReason::kImuContradicted: return "imu_contradicted";
   }
   return "?";
 }

@@ -26,6 +26,7 @@ enum class StatusReason : std::uint32_t {
   kReset = 1U << 10,           // the filter was restarted; odom has a new origin
   kLidarIncomplete = 1U << 11, // part of the revolution was lost
   kRelocalising = 1U << 12,    // where odom lies in the existing map is not known yet: the pose in map is a guess
+  kImuContradicted = 1U << 13, // the scan tells another motion than the IMU and was fused without it
 };
 
 constexpr std::uint32_t bit(StatusReason r) { return static_cast<std::uint32_t>(r); }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "tests/support/odometry_run.hpp"
 
 namespace slamd {
@@ -93,6 +95,49 @@ TEST_F(Faults, AnAccelerometerWithoutForceIsAbsent) {
   });
   expect_said_and_survived(StatusReason::kNoImu, 0.1);
   EXPECT_GT(odometry_.stats().imu.implausible, 300U);
+}
+
+TEST_F(Faults, AnImuWhoseBiasesJumpIsSaidToLieAndItsBiasesAreLearntAnew) {
+  const Eigen::Vector3d wrong_rads{0.0, 0.0, 0.3};
+  run(9.0, [&](double t, ImuSample& sample) {
+    if (!in_fault(t)) return true;
+    sample.gyro_rads += wrong_rads;
+    sample.accel_mps2.x() += 2.0;
+    return true;
+  });
+  bool said_at_begin = false, said_at_end = false;
+  Eigen::Vector3d bias_rads = Eigen::Vector3d::Zero();
+  for (const ScanResult& result : results_) {
+    const double t = seconds(result);
+    const bool said = has(result.state, StatusReason::kImuContradicted);
+    EXPECT_TRUE(!said || t > 3.0) << "at " << t;
+    said_at_begin |= said && t < 3.3;
+    said_at_end |= said && t > 5.0 && t < 5.3;
+    if (t < 4.9) bias_rads = result.state.gyro_bias_rads;
+  }
+  EXPECT_TRUE(said_at_begin);
+  EXPECT_TRUE(said_at_end);
+  EXPECT_LT((bias_rads - wrong_rads).norm(), 0.03);
+  EXPECT_EQ(results_.back().state.status, TrackingStatus::kTracking) << "reasons " << results_.back().state.reasons;
+  EXPECT_LT(worst_error(1.5), 0.1);
+  EXPECT_LT(worst_sigmas(), kMostSigmas);
+}
+
+TEST_F(Faults, AnImuThatIsNothingButNoiseIsNotFollowed) {
+  std::mt19937_64 random{7};
+  std::normal_distribution<double> noise;
+  run(9.0, [&](double t, ImuSample& sample) {
+    if (!in_fault(t)) return true;
+    for (int axis = 0; axis < 3; ++axis) {
+      sample.gyro_rads[axis] += 2.0 * noise(random);
+      sample.accel_mps2[axis] += 5.0 * noise(random);
+    }
+    return true;
+  });
+  EXPECT_GT(odometry_.stats().imu_contradicted, 10U);
+  EXPECT_EQ(results_.back().state.status, TrackingStatus::kTracking) << "reasons " << results_.back().state.reasons;
+  EXPECT_LT(worst_error(1.5), 0.15);
+  EXPECT_LT(worst_sigmas(), kMostSigmas);
 }
 
 TEST_F(Faults, OneImuStampFarInTheFutureDoesNoHarm) {

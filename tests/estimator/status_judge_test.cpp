@@ -37,6 +37,7 @@ TEST(StatusJudge, EveryWeaknessHasItsReasonAndNoOther) {
       {[](Evidence& e) { e.imu_is_alive = false; }, StatusReason::kNoImu},
       {[](Evidence& e) { e.imu_is_alive = false; e.coasted = true; }, StatusReason::kNoImu},
       {[](Evidence& e) { e.coasted = true; }, StatusReason::kImuGap},
+      {[](Evidence& e) { e.coasted = e.imu_contradicted = true; }, StatusReason::kImuContradicted},
       {[](Evidence& e) { e.clipped = true; }, StatusReason::kImuClipped},
       {[](Evidence& e) { e.clock_unsure = true; }, StatusReason::kClockUnsure},
       {[](Evidence& e) { e.map_restarted = true; }, StatusReason::kReset},

@@ -101,6 +101,7 @@ Json rejections(const Drive& drive, const OdometryStats& stats) {
     out["gps"]["bad_lines"] = gps->bad_lines();
   }
   if (const GpsWireReader* gps = drive.gps_wire()) out["gps"] = nmea_rejections(gps->parser());
+  out["scans_contradicting_imu"] = stats.imu_contradicted;
   out["scans_unfused"] = stats.fusion.unfused;
   out["scans_repeated"] = stats.queue.repeated;
   return out;

@@ -1,0 +1,27 @@
+#pragma once
+// When a scan and the IMU tell two motions: which of the two is believed, and what becomes of the biases. Carries no state
+// through time and fuses no scan.
+
+#include "estimator/filter/ieskf.hpp"
+
+namespace slamd {
+
+struct ImuDoubtConfig {
+  double most_correction_sigmas = 3.0;  // of the IMU's prior, by which a scan corrects attitude and position
+  double gyro_bias_rads = 0.2;          // sigma of the biases once the IMU was wrong
+  double accel_bias_mps2 = 1.5;
+};
+
+/// Whether the scan fits to the map, and to the motion on which it was fused: it moved the pose by no more than that motion's own
+/// sigma.
+/// most_test_ratio  beyond it scan and map disagree
+bool explains(const ImuDoubtConfig& config, const UpdateSummary& update, double most_test_ratio);
+
+/// Whether the scan moved the pose by more than that.
+bool is_moved(const ImuDoubtConfig& config, const UpdateSummary& update);
+
+/// The biases of an IMU that a scan contradicts are unknown, that of the gyro only where the attitude does not fit; and what the
+/// filter thought to know of other states by them is not known either.
+void doubt_biases(const ImuDoubtConfig& config, const UpdateSummary& contradiction, FilterSnapshot& filter);
+
+}  // namespace slamd
