@@ -105,6 +105,7 @@ SensorEvidence evidence(const ImuReport& report, const std::optional<PoseSample>
   SensorEvidence told = serial_evidence(report, report.source.bytes, report.samples);
   told.lost = report.parser.missing;
   told.clock_sure = report.clock.locked;
+  if (says(pose, StatusReason::kImuContradicted)) told.use = Use::kDoubted;
   if (says(pose, StatusReason::kNoImu)) told.use = Use::kRefused;
   return told;
 }
