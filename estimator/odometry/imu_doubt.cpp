@@ -16,8 +16,8 @@ bool is_moved(const ImuDoubtConfig& config, const UpdateSummary& update) {
   return update.fused && !(is_small(config, update.attitude_correction) && is_small(config, update.position_correction));
 }
 
-bool explains(const ImuDoubtConfig& config, const UpdateSummary& update, double most_test_ratio) {
-  return update.fused && !is_moved(config, update) && update.test_ratio <= most_test_ratio;
+bool fits(const UpdateSummary& update, double most_test_ratio) {
+  return update.fused && update.test_ratio <= most_test_ratio;
 }
 
 void doubt_biases(const ImuDoubtConfig& config, const UpdateSummary& contradiction, FilterSnapshot& filter) {

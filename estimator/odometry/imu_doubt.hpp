@@ -10,14 +10,13 @@ struct ImuDoubtConfig {
   double most_correction_sigmas = 3.0;  // of the IMU's prior, by which a scan corrects attitude and position
   double gyro_bias_rads = 0.2;          // sigma of the biases once the IMU was wrong
   double accel_bias_mps2 = 1.5;
+  double after_clock_s = 10.0;          // no doubt for so long after a clock was unsure: stamps were wrong rather than values
 };
 
-/// Whether the scan fits to the map, and to the motion on which it was fused: it moved the pose by no more than that motion's own
-/// sigma.
-/// most_test_ratio  beyond it scan and map disagree
-bool explains(const ImuDoubtConfig& config, const UpdateSummary& update, double most_test_ratio);
+/// Whether scan and map agree. most_test_ratio: mean squared normalised residual beyond which they do not.
+bool fits(const UpdateSummary& update, double most_test_ratio);
 
-/// Whether the scan moved the pose by more than that.
+/// Whether the scan moved the pose by more than the sigma of the motion on which it was fused.
 bool is_moved(const ImuDoubtConfig& config, const UpdateSummary& update);
 
 /// The biases of an IMU that a scan contradicts are unknown, that of the gyro only where the attitude does not fit; and what the

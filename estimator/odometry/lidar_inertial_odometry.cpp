@@ -106,7 +106,10 @@ bool LidarInertialOdometry::start(const Scan& scan) {
 DeadReckoningSummary LidarInertialOdometry::match(const Scan& scan) {
   const FilterSnapshot before = filter_;
   DeadReckoningSummary carried = match_from(before, scan, true);
-  const bool can_doubt = carried.coasted_s == 0.0 && !fusion_.velocity_search().is_on() &&
+  // Scans stamped wrong contradict the best of IMUs.
+  if (is_clock_unsure(scan.end)) clock_unsure_at_ = scan.end;
+  const bool stamps_are_sure = scan.end - clock_unsure_at_ > from_seconds(config_.imu_doubt.after_clock_s);
+  const bool can_doubt = stamps_are_sure && carried.coasted_s == 0.0 && !fusion_.velocity_search().is_on() &&
                          result_.update.matched >= config_.fusion.registration.update.min_inliers;
   if (!can_doubt || is_explained()) return carried;
   const UpdateSummary contradiction = result_.update;
@@ -115,7 +118,8 @@ DeadReckoningSummary LidarInertialOdometry::match(const Scan& scan) {
   doubted.angular_velocity_rads = turn_rads_;
   for (const bool with_imu : {true, false}) {
     carried = match_from(doubted, scan, with_imu);
-    if (!is_explained()) continue;
+    const bool without_imu_it_fits = !with_imu && fits(result_.update, config_.status.max_test_ratio);
+    if (!is_explained() && !without_imu_it_fits) continue;
     result_.imu_contradicted = true;
     ++stats_.imu_contradicted;
     return carried;
@@ -128,8 +132,12 @@ DeadReckoningSummary LidarInertialOdometry::match(const Scan& scan) {
   return carry_to(scan, true);
 }
 
+bool LidarInertialOdometry::is_clock_unsure(HostTime at) const {
+  return imu_.is_clock_unsure(at) || queue_.is_clock_unsure(at);
+}
+
 bool LidarInertialOdometry::is_explained() const {
-  return explains(config_.imu_doubt, result_.update, config_.status.max_test_ratio);
+  return fits(result_.update, config_.status.max_test_ratio) && !is_moved(config_.imu_doubt, result_.update);
 }
 
 DeadReckoningSummary LidarInertialOdometry::match_from(const FilterSnapshot& before, const Scan& scan, bool with_imu) {
@@ -237,7 +245,7 @@ void LidarInertialOdometry::conclude(const DeadReckoningSummary& carried, bool c
        .coasted = carried.coasted_s > 0.0,
        .clipped = carried.clipped,
        .imu_contradicted = result_.imu_contradicted,
-       .clock_unsure = imu_.is_clock_unsure(state.time) || queue_.is_clock_unsure(state.time),
+       .clock_unsure = is_clock_unsure(state.time),
        .map_is_mature = fusion_.map_is_mature(),
        .map_restarted = fusion_.restarted(),
        .velocity_unknown = fusion_.velocity_search().is_on(),
