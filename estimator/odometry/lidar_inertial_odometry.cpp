@@ -108,7 +108,8 @@ DeadReckoningSummary LidarInertialOdometry::match(const Scan& scan) {
   DeadReckoningSummary carried = match_from(before, scan, true);
   // Scans stamped wrong contradict the best of IMUs.
   if (is_clock_unsure(scan.end)) clock_unsure_at_ = scan.end;
-  const bool stamps_are_sure = scan.end - clock_unsure_at_ > from_seconds(config_.imu_doubt.after_clock_s);
+  const bool stamps_are_sure =
+      !clock_unsure_at_ || scan.end - *clock_unsure_at_ > from_seconds(config_.imu_doubt.after_clock_s);
   const bool can_doubt = stamps_are_sure && carried.coasted_s == 0.0 && !fusion_.velocity_search().is_on() &&
                          result_.update.matched >= config_.fusion.registration.update.min_inliers;
   if (!can_doubt || is_explained()) return carried;

@@ -109,7 +109,7 @@ class LidarInertialOdometry {
   FilterSnapshot filter_;
   FilterSnapshot trusted_;   // the newest one that no sample of a broken IMU can have touched
   Eigen::Vector3d turn_rads_ = Eigen::Vector3d::Zero();  // imu frame, mean over the newest scan that was fused
-  HostTime clock_unsure_at_;
+  std::optional<HostTime> clock_unsure_at_;
   HostTime now_;
   HostTime last_scan_;       // end of the newest one that was fused or began a map
   ScanResult result_;
