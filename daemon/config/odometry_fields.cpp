@@ -93,6 +93,10 @@ Fields doubt_fields(ImuDoubtConfig& c) {
        "a scan that moves the IMU's prediction by more is fused without the IMU"},
       {"odometry.imu_doubt.gyro_bias_rads", &c.gyro_bias_rads, "rad/s", kSigma, "sigma of the gyro bias after that"},
       {"odometry.imu_doubt.accel_bias_mps2", &c.accel_bias_mps2, "m/s^2", kSigma, "likewise of the accelerometer bias"},
+      {"odometry.imu_doubt.better_inlier_share", &c.better_inlier_share, "", kShare,
+       "so much of a scan agrees with the map without the IMU, and"},
+      {"odometry.imu_doubt.better_inlier_gain", &c.better_inlier_gain, "", {1, 100},
+       "so many times the points that agree with it: fused without the IMU in any case"},
       {"odometry.imu_doubt.after_clock_s", &c.after_clock_s, "s", {0, 1e4},
        "the IMU is not doubted for so long after a clock was unsure: stamps were wrong rather than values"},
   };

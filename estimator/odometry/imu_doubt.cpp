@@ -20,6 +20,11 @@ bool fits(const UpdateSummary& update, double most_test_ratio) {
   return update.fused && update.test_ratio <= most_test_ratio;
 }
 
+bool fits_far_better(const ImuDoubtConfig& config, const UpdateSummary& update, std::uint32_t inliers) {
+  return update.fused && update.inliers > config.better_inlier_share * update.matched &&
+         update.inliers > config.better_inlier_gain * inliers;
+}
+
 void doubt_biases(const ImuDoubtConfig& config, const UpdateSummary& contradiction, FilterSnapshot& filter) {
   const auto forget = [&filter](int row, double sigma) {
     filter.covariance.middleRows<3>(row).setZero();

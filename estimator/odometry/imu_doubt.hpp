@@ -10,11 +10,16 @@ struct ImuDoubtConfig {
   double most_correction_sigmas = 3.0;  // of the IMU's prior, by which a scan corrects attitude and position
   double gyro_bias_rads = 0.2;          // sigma of the biases once the IMU was wrong
   double accel_bias_mps2 = 1.5;
+  double better_inlier_share = 0.9;     // of the points with a plane, and
+  double better_inlier_gain = 1.1;      // so many times the inliers of the IMU's motion: a better motion in any case
   double after_clock_s = 10.0;          // no doubt for so long after a clock was unsure: stamps were wrong rather than values
 };
 
 /// Whether scan and map agree. most_test_ratio: mean squared normalised residual beyond which they do not.
 bool fits(const UpdateSummary& update, double most_test_ratio);
+
+/// Whether nearly all of the scan agrees with the map, and many more points than the `inliers` of another motion.
+bool fits_far_better(const ImuDoubtConfig& config, const UpdateSummary& update, std::uint32_t inliers);
 
 /// Whether the scan moved the pose by more than the sigma of the motion on which it was fused.
 bool is_moved(const ImuDoubtConfig& config, const UpdateSummary& update);

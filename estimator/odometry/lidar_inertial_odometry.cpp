@@ -102,7 +102,7 @@ bool LidarInertialOdometry::start(const Scan& scan) {
 }
 
 /// The scan on the prior that the IMU gives. Where the two contradict each other: on that of an IMU with unknown biases, or
-/// without it, whichever first explains what the scan sees. A contradiction that nothing explains is not fused.
+/// without it, whichever first explains what the scan sees. What neither explains is the scan's own fault, and the IMU is believed.
 DeadReckoningSummary LidarInertialOdometry::match(const Scan& scan) {
   const FilterSnapshot before = filter_;
   DeadReckoningSummary carried = match_from(before, scan, true);
@@ -113,24 +113,20 @@ DeadReckoningSummary LidarInertialOdometry::match(const Scan& scan) {
   const bool can_doubt = stamps_are_sure && carried.coasted_s == 0.0 && !fusion_.velocity_search().is_on() &&
                          result_.update.matched >= config_.fusion.registration.update.min_inliers;
   if (!can_doubt || is_explained()) return carried;
-  const UpdateSummary contradiction = result_.update;
+  const std::uint32_t inliers = result_.update.inliers;
   FilterSnapshot doubted = before;
-  doubt_biases(config_.imu_doubt, contradiction, doubted);
+  doubt_biases(config_.imu_doubt, result_.update, doubted);
   doubted.angular_velocity_rads = turn_rads_;
   for (const bool with_imu : {true, false}) {
     carried = match_from(doubted, scan, with_imu);
-    const bool without_imu_it_fits = !with_imu && fits(result_.update, config_.status.max_test_ratio);
+    const bool without_imu_it_fits = !with_imu && (fits(result_.update, config_.status.max_test_ratio) ||
+                                                   fits_far_better(config_.imu_doubt, result_.update, inliers));
     if (!is_explained() && !without_imu_it_fits) continue;
     result_.imu_contradicted = true;
     ++stats_.imu_contradicted;
     return carried;
   }
-  const bool only_residuals = contradiction.fused && !is_moved(config_.imu_doubt, contradiction);
-  if (only_residuals) return match_from(before, scan, true);
-  filter_ = doubted;
-  result_.update = contradiction;
-  result_.update.fused = false;
-  return carry_to(scan, true);
+  return match_from(before, scan, true);
 }
 
 bool LidarInertialOdometry::is_clock_unsure(HostTime at) const {

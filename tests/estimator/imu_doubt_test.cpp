@@ -27,6 +27,16 @@ TEST(ImuDoubt, AScanFitsThatIsFusedAndAgreesWithTheMap) {
   EXPECT_FALSE(fits(UpdateSummary{}, kMostTestRatio));
 }
 
+TEST(ImuDoubt, AScanFitsFarBetterThatHasNearlyAllItsPointsOnTheMapAndManyMoreThanBefore) {
+  UpdateSummary update = fused(20.0, 20.0, 6.5);
+  update.matched = 1000;
+  update.inliers = 950;
+  EXPECT_TRUE(fits_far_better(kConfig, update, 700));
+  EXPECT_FALSE(fits_far_better(kConfig, update, 900)) << "not many more";
+  update.inliers = 850;
+  EXPECT_FALSE(fits_far_better(kConfig, update, 700)) << "not nearly all";
+}
+
 TEST(ImuDoubt, AScanMovesThePoseThatCorrectsAttitudeOrPositionByMoreThanTheMotionsSigma) {
   EXPECT_FALSE(is_moved(kConfig, fused(8.9, 8.9, 3.9)));
   EXPECT_TRUE(is_moved(kConfig, fused(9.1, 0.0, 0.8)));
