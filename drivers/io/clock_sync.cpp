@@ -31,29 +31,43 @@ HostTime ClockSync::update(DeviceTime device, HostTime arrival) {
 
   if (first || device < pivot_device_) restart(device, arrival);
   double x_s = to_seconds(device - origin_device_);
-  auto delay_ns = static_cast<double>(((arrival - origin_host_) - (device - origin_device_)).count());
-  Arrival verdict = judge(x_s, delay_ns, arrival);
-  if (verdict == Arrival::kJump) {
-    restart(device, arrival);
-    x_s = delay_ns = 0.0;
-    verdict = Arrival::kPlausible;
-  }
+  const auto delay_ns = static_cast<double>(((arrival - origin_host_) - (device - origin_device_)).count());
+  const Arrival verdict = judge(x_s, delay_ns, arrival);
   if (verdict == Arrival::kPlausible) envelope_.add(x_s, delay_ns);
-
-  const auto line_ns = Duration{std::llround(envelope_.line().at(x_s))};
-  const HostTime target = origin_host_ + (device - origin_device_) + line_ns - config_.min_latency;
-  if (envelope_.count() == 1 && verdict == Arrival::kPlausible) seat(device, target);
+  if (verdict == Arrival::kJump || has_strayed(device, x_s)) {
+    restart(device, arrival);
+    x_s = 0.0;
+    envelope_.add(0.0, 0.0);
+  }
+  const HostTime target = estimate(device, x_s);
+  if (envelope_.count() == 1 && verdict != Arrival::kLate) seat(device, target);
   return follow(device, target);
+}
+
+/// The host's time of a datum by the envelope.
+HostTime ClockSync::estimate(DeviceTime device, double x_s) const {
+  const auto line_ns = Duration{std::llround(envelope_.line().at(x_s))};
+  return origin_host_ + (device - origin_device_) + line_ns - config_.min_latency;
+}
+
+double ClockSync::gate_ns(double x_s) const {
+  return static_cast<double>(config_.jump_threshold.count()) + kGateSigmas * envelope_.line().sigma_at(x_s);
+}
+
+/// A trusted output that the estimate has left behind, one small step after another: so it goes when a queue empties that
+/// held every datum back.
+bool ClockSync::has_strayed(DeviceTime device, double x_s) const {
+  if (!locked_) return false;
+  const auto error_ns = static_cast<double>((estimate(device, x_s) - to_host(device)).count());
+  return std::abs(error_ns) > gate_ns(x_s);
 }
 
 /// A datum before its time is a jump; one that is late may be a queue that empties soon, or a jump when it does not.
 ClockSync::Arrival ClockSync::judge(double x_s, double delay_ns, HostTime arrival) {
   if (envelope_.count() == 0) return Arrival::kPlausible;
-  const DelayEnvelope::Line& line = envelope_.line();
-  const double excess_ns = delay_ns - line.at(x_s);
-  const double gate_ns = static_cast<double>(config_.jump_threshold.count()) + kGateSigmas * line.sigma_at(x_s);
-  if (excess_ns < -gate_ns) return Arrival::kJump;
-  if (excess_ns < gate_ns) {
+  const double excess_ns = delay_ns - envelope_.line().at(x_s);
+  if (excess_ns < -gate_ns(x_s)) return Arrival::kJump;
+  if (excess_ns < gate_ns(x_s)) {
     late_count_ = 0;
     return Arrival::kPlausible;
   }

@@ -53,6 +53,9 @@ class ClockSync {
   enum class Arrival : std::uint8_t { kPlausible, kLate, kJump };
 
   Arrival judge(double x_s, double delay_ns, HostTime arrival);
+  bool has_strayed(DeviceTime device, double x_s) const;
+  HostTime estimate(DeviceTime device, double x_s) const;
+  double gate_ns(double x_s) const;
   void restart(DeviceTime device, HostTime arrival);
   void seat(DeviceTime device, HostTime target);
   HostTime follow(DeviceTime device, HostTime target);

@@ -10,6 +10,7 @@ constexpr double kQuantile = 0.1;  // of the excess: quantile / kQuantile is the
 constexpr double kSlowestLearning = 0.02;
 constexpr double kKeptSkewSigma = 20e-6;  // a crystal keeps its skew across a restart within this
 constexpr double kPriorSpan = 8.0;        // the skew is searched within so many sigmas of its prior
+constexpr double kLearntSpan = 7.9;       // and is none at the end of the search: a queue that emptied asked for it
 constexpr double kNegligible = 14.0;      // log-likelihood drop beyond which the posterior is not integrated
 constexpr int kSearchSteps = 44;
 constexpr int kBisectSteps = 26;
@@ -137,7 +138,7 @@ const DelayEnvelope::Line& DelayEnvelope::add(double x_s, double delay_ns) {
 }
 
 void DelayEnvelope::restart() {
-  if (count_ > 0) {
+  if (count_ > 0 && std::abs(line_.skew - prior_skew_) < kLearntSpan * prior_sigma_) {
     prior_skew_ = line_.skew;
     prior_sigma_ = std::min(config_.skew_sigma_ppm * 1e-6, std::hypot(kKeptSkewSigma, line_.skew_sigma));
   }

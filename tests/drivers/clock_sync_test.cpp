@@ -263,6 +263,29 @@ TEST(ClockSync, ABacklogReadAtOnceAtTheStartIsForgottenSoonAfter) {
   }
 }
 
+/// Something on the way holds every datum back for a while, and then gives all that it held at once.
+TEST(ClockSync, DelayedDataThatComeInTimeAgainAreInTimeAgain) {
+  for (const Duration delay : {Duration{50ms}, Duration{300ms}, Duration{1s}}) {
+    ClockSync sync{imu_config()};
+    constexpr Duration kPeriod = 1327us;
+    constexpr Duration kOffset = 1000s;
+    HostTime time{};
+    const auto arrival = [&](Duration device) {
+      const HostTime in_time{kOffset + device + 350us};
+      const bool held = device >= 10s && device < 14s;
+      return held ? std::min(in_time + delay, HostTime{kOffset + 14s}) : in_time;
+    };
+    Duration device{};
+    const auto error_s = [&] { return std::abs(to_seconds(time - HostTime{kOffset + device - kPeriod})); };
+    for (; device < 17s; device += kPeriod) time = sync.update(DeviceTime{device}, arrival(device));
+    EXPECT_LT(error_s(), 1e-3) << to_seconds(delay);
+    for (; device < 24s; device += kPeriod) time = sync.update(DeviceTime{device}, arrival(device));
+    EXPECT_LT(error_s(), 1e-4) << to_seconds(delay);
+    EXPECT_LT(std::abs(sync.skew_ppm()), 20.0) << to_seconds(delay);
+    EXPECT_TRUE(sync.locked()) << to_seconds(delay);
+  }
+}
+
 TEST(CounterUnwrapper, CountsOnPastTheHour) {
   CounterUnwrapper hour{3600s};
   HostTime arrival{100s};
