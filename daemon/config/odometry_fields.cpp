@@ -99,6 +99,8 @@ Fields doubt_fields(ImuDoubtConfig& c) {
        "so many times the points that agree with it: fused without the IMU in any case"},
       {"odometry.imu_doubt.after_clock_s", &c.after_clock_s, "s", {0, 1e4},
        "the IMU is not doubted for so long after a clock was unsure: stamps were wrong rather than values"},
+      {"odometry.imu_doubt.after_gap_s", &c.after_gap_s, "s", {0, 1e4},
+       "nor after the IMU was silent: the scans before were fused on a guessed motion"},
   };
 }
 

@@ -106,11 +106,7 @@ bool LidarInertialOdometry::start(const Scan& scan) {
 DeadReckoningSummary LidarInertialOdometry::match(const Scan& scan) {
   const FilterSnapshot before = filter_;
   DeadReckoningSummary carried = match_from(before, scan, true);
-  // Scans stamped wrong contradict the best of IMUs.
-  if (is_clock_unsure(scan.end)) clock_unsure_at_ = scan.end;
-  const bool stamps_are_sure =
-      !clock_unsure_at_ || scan.end - *clock_unsure_at_ > from_seconds(config_.imu_doubt.after_clock_s);
-  const bool can_doubt = stamps_are_sure && carried.coasted_s == 0.0 && !fusion_.velocity_search().is_on() &&
+  const bool can_doubt = can_doubt_imu(scan.end, carried) && !fusion_.velocity_search().is_on() &&
                          result_.update.matched >= config_.fusion.registration.update.min_inliers;
   if (!can_doubt || is_explained()) return carried;
   const std::uint32_t inliers = result_.update.inliers;
@@ -127,6 +123,14 @@ DeadReckoningSummary LidarInertialOdometry::match(const Scan& scan) {
     return carried;
   }
   return match_from(before, scan, true);
+}
+
+/// Scans stamped wrong contradict the best of IMUs, and so do those that begin where a guessed motion left the filter.
+bool LidarInertialOdometry::can_doubt_imu(HostTime at, const DeadReckoningSummary& carried) {
+  const ImuDoubtConfig& config = config_.imu_doubt;
+  if (is_clock_unsure(at)) imu_believed_until_ = std::max(imu_believed_until_, at + from_seconds(config.after_clock_s));
+  if (carried.coasted_s > 0.0) imu_believed_until_ = std::max(imu_believed_until_, at + from_seconds(config.after_gap_s));
+  return at > imu_believed_until_;
 }
 
 bool LidarInertialOdometry::is_clock_unsure(HostTime at) const {
