@@ -93,6 +93,7 @@ Fields doubt_fields(ImuDoubtConfig& c) {
        "a scan that moves the IMU's prediction by more is fused without the IMU"},
       {"odometry.imu_doubt.gyro_bias_rads", &c.gyro_bias_rads, "rad/s", kSigma, "sigma of the gyro bias after that"},
       {"odometry.imu_doubt.accel_bias_mps2", &c.accel_bias_mps2, "m/s^2", kSigma, "likewise of the accelerometer bias"},
+      {"odometry.imu_doubt.attitude_rad", &c.attitude_rad, "rad", kSigma, "sigma by which the attitude is worse than was thought"},
       {"odometry.imu_doubt.better_inlier_share", &c.better_inlier_share, "", kShare,
        "so much of a scan agrees with the map without the IMU, and"},
       {"odometry.imu_doubt.better_inlier_gain", &c.better_inlier_gain, "", {1, 100},

@@ -33,7 +33,10 @@ void doubt_biases(const ImuDoubtConfig& config, const UpdateSummary& contradicti
     filter.covariance.diagonal().segment<3>(row).setConstant(sigma * sigma);
   };
   const bool turn_fits = contradiction.fused && is_small(config, contradiction.attitude_correction);
-  if (!turn_fits) forget(I::kGyroBias, config.gyro_bias_rads);
+  if (!turn_fits) {
+    forget(I::kGyroBias, config.gyro_bias_rads);
+    filter.covariance.diagonal().segment<3>(I::kAttitude).array() += config.attitude_rad * config.attitude_rad;
+  }
   forget(I::kAccelBias, config.accel_bias_mps2);
 }
 

@@ -32,6 +32,7 @@ class Faults : public test::OdometryRun {
     EXPECT_EQ(results_.back().state.status, TrackingStatus::kTracking) << "reasons " << results_.back().state.reasons;
     EXPECT_LT(worst_error(6.0), worst_after_m);
     EXPECT_LT(worst_sigmas(), kMostSigmas);
+    EXPECT_EQ(odometry_.stats().imu_contradicted, 0U) << "an IMU that is back is believed";
   }
 };
 
