@@ -105,6 +105,18 @@ Fields doubt_fields(ImuDoubtConfig& c) {
   };
 }
 
+Fields standstill_fields(StandstillConfig& c) {
+  return {
+      {"odometry.standstill.window_s", &c.window_s, "s", kSeconds, "of IMU samples before a scan's end"},
+      {"odometry.standstill.gyro_std_rads", &c.gyro_std_rads, "rad/s", kSigma,
+       "the vehicle stands: deviation of every axis at most; it is what the IMU's own noise gives, four times"},
+      {"odometry.standstill.accel_std_mps2", &c.accel_std_mps2, "m/s^2", kSigma, "likewise"},
+      {"odometry.standstill.sigma_mps", &c.sigma_mps, "m/s", kSigma, "of the velocity of zero that a scan is then given"},
+      {"odometry.standstill.most_mps", &c.most_mps, "m/s", kSigma, "a state that says it moves faster is not told otherwise"},
+      {"odometry.standstill.gate_sigmas", &c.gate_sigmas, "", {0.1, 100}, "nor one that is so sure that it moves"},
+  };
+}
+
 Fields start_fields(StarterConfig& start) {
   InitialisationConfig& c = start.initialisation;
   return {
@@ -259,6 +271,7 @@ Fields odometry_fields(OdometryConfig& c) {
   append(fields, moving_start_fields(c.fusion.velocity_search));
   append(fields, sanity_fields(c.imu.sanity));
   append(fields, doubt_fields(c.imu_doubt));
+  append(fields, standstill_fields(c.standstill));
   append(fields, scan_fields(c.scans.assembler));
   append(fields, dead_reckoning_fields(c.dead_reckoning));
   append(fields, map_fields(c.fusion.registration.map));

@@ -78,6 +78,7 @@ const ScanResult* LidarInertialOdometry::fuse(const Scan& scan) {
   const bool was_lost = fusion_.velocity_search().is_overdue(scan.end);
   const FilterSnapshot before = filter_;
   const DeadReckoningSummary carried = match(scan);
+  fuse_standstill();
   fusion_.absorb(scan, result_.update, filter_);
   finished(Stage::kInsert);
   if (!is_sane(filter_)) return start_over(scan.end);
@@ -99,6 +100,13 @@ bool LidarInertialOdometry::start(const Scan& scan) {
   filter_ = trusted_ = first->filter;
   fusion_.begin(*first);
   return true;
+}
+
+/// After the scan, which knows better whether the vehicle moves where it knows anything of it.
+void LidarInertialOdometry::fuse_standstill() {
+  const bool knows = result_.update.fused && !fusion_.velocity_search().is_on() && !result_.imu_contradicted;
+  if (!knows || !imu_.is_alive(filter_.time) || !is_standing(config_.standstill, imu_.samples(), filter_.time)) return;
+  if (update_standstill(config_.standstill, filter_)) ++stats_.standstills;
 }
 
 /// The scan on the prior that the IMU gives. Where the two contradict each other: on that of an IMU with unknown biases, or

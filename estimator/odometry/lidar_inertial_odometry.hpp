@@ -7,6 +7,7 @@
 #include "estimator/odometry/keyframe_picker.hpp"
 #include "estimator/odometry/scan_fusion.hpp"
 #include "estimator/odometry/scan_queue.hpp"
+#include "estimator/odometry/standstill.hpp"
 #include "estimator/odometry/starter.hpp"
 #include "estimator/odometry/status_judge.hpp"
 #include "estimator/types/keyframe.hpp"
@@ -20,6 +21,7 @@ struct OdometryConfig {
   DeadReckoningConfig dead_reckoning;
   ScanFusionConfig fusion;
   ImuDoubtConfig imu_doubt;
+  StandstillConfig standstill;
   StatusConfig status;
   KeyframeConfig keyframes;
   /// No scan for so long: DEGRADED no_lidar, and ten poses a second by dead reckoning instead. They describe the instant
@@ -50,6 +52,7 @@ struct OdometryStats {
   std::uint64_t scans_thinned = 0;   // fused with a share of their points
   std::uint64_t scans_let_go = 0;    // not even that
   std::uint64_t imu_contradicted = 0;  // scans fused without the IMU, because they tell another motion
+  std::uint64_t standstills = 0;       // scans at which the vehicle was known to stand
   std::uint64_t resets = 0;          // odom begun anew: the state was no number any more, or lost
 };
 
@@ -80,6 +83,7 @@ class LidarInertialOdometry {
 
  private:
   const ScanResult* fuse(const Scan& scan);
+  void fuse_standstill();
   bool start(const Scan& scan);
   DeadReckoningSummary match(const Scan& scan);
   bool is_clock_unsure(HostTime at) const;
