@@ -11,7 +11,7 @@ struct StandstillConfig {
   double window_s = 0.5;           // of samples before the scan's end
   double gyro_std_rads = 0.003;    // at most, of every axis: nothing that rolls is so smooth
   double accel_std_mps2 = 0.03;
-  double sigma_mps = 0.02;         // of every axis of the velocity, a scan
+  double sigma_mps = 0.005;        // of every axis of the velocity, a scan
   double most_mps = 0.5;           // a state that says it moves faster is not told otherwise,
   double gate_sigmas = 3.5;        // nor one that is so sure that it moves
 };
