@@ -48,11 +48,9 @@ PlaceCheck check_place(const Submap& target, const Submap& source, const PlaceGu
   const std::optional<Pose> first = first_guess(target, source, guess, config);
   if (!first) return ends(LoopStage::kSearch);
 
-  PlaneMap target_surfaces = surfaces(target.points);
-  PlaneMap source_surfaces = surfaces(source.points);
-  const SubmapMatch match = register_submap(
-      target_surfaces, choose_points(source.points, source_surfaces, config.registration.max_points), *first,
-      config.registration);
+  SubmapShape target_shape = shape_of(target.points, config.registration.max_points);
+  SubmapShape source_shape = shape_of(source.points, config.registration.max_points);
+  const SubmapMatch match = register_submap(target_shape, source_shape, *first, config.registration);
   check.fitness = match.inlier_share;
   check.registered = true;
   check.T_target_source = match.T_target_source;
@@ -62,8 +60,8 @@ PlaceCheck check_place(const Submap& target, const Submap& source, const PlaceGu
 
   const Pose& T_target_source = match.T_target_source.T_a_b;
   check.free_space_share =
-      std::max(check_free_space(target_surfaces, source, T_target_source, config.free_space).share(),
-               check_free_space(source_surfaces, target, T_target_source.inverse(), config.free_space).share());
+      std::max(check_free_space(target_shape.planes, source, T_target_source, config.free_space).share(),
+               check_free_space(source_shape.planes, target, T_target_source.inverse(), config.free_space).share());
   if (check.free_space_share > config.max_free_space_share) return ends(LoopStage::kFreeSpace);
   return ends(LoopStage::kAccepted);
 }

@@ -19,9 +19,10 @@ constexpr double kNormalNoiseFactor = 4.0;    // neighbouring points share their
 constexpr double kConverged_m = 5.0e-4;
 constexpr double kConverged_rad = 2.0e-5;
 constexpr double kPriorInformation = 1.0e-4;  // keeps a free direction where it was, far below any real measurement
+constexpr double kCauchy2 = 9.0;              // squared sigmas from which a contact counts half
 
 struct NormalEquations {
-  Matrix6d H = kPriorInformation * Matrix6d::Identity();
+  Matrix6d H = Matrix6d::Zero();
   Matrix6d H_normals = Matrix6d::Zero();  // the part of H that noise of the normals makes on average
   Vector6d g = Vector6d::Zero();
   double squares = 0.0;
@@ -37,49 +38,58 @@ Vector6d jacobian(const Eigen::Vector3d& n, const Pose& T, const Eigen::Vector3d
   return J;
 }
 
-/// Adds one residual n.(T p - c), Cauchy-weighted.
-void add(NormalEquations& equations, const Plane& plane, const Pose& T, const Eigen::Vector3d& p, double sigma_m) {
-  const Eigen::Vector3d n = plane.normal.cast<double>();
-  const double residual = n.dot(T * p - plane.centre.cast<double>());
-  const Vector6d J = jacobian(n, T, p);
-  const double normalised2 = residual * residual / (sigma_m * sigma_m);
-  const double weight = 1.0 / (sigma_m * sigma_m * (1.0 + normalised2 / 9.0));
+double offset_m(const Plane& plane, const Eigen::Vector3d& p) {
+  return plane.normal.cast<double>().dot(p - plane.centre.cast<double>());
+}
+
+/// Adds one residual n.(T p - c), Cauchy-weighted. The point scatters about its surface as the plane's own points do. Tilt
+/// noise of the normal adds to H too, on average: directions that only noise "sees" are free.
+void add(NormalEquations& equations, const Plane& plane, const Pose& T, const Eigen::Vector3d& p, double point_variance_m2) {
+  const Eigen::Vector3d at = T * p;
+  const double residual = offset_m(plane, at);
+  const double variance_m2 = point_variance_m2 + plane.variance_m2 + plane.height_variance(at.cast<float>());
+  const double weight = 1.0 / (variance_m2 + residual * residual / kCauchy2);
+  const Vector6d J = jacobian(plane.normal.cast<double>(), T, p);
   equations.H += weight * J * J.transpose();
   equations.g -= weight * residual * J;
   equations.squares += residual * residual;
   ++equations.inliers;
+  for (const Plane::Tilt& tilt : plane.tilts()) {
+    const Vector6d J_tilt = jacobian(tilt.towards.cast<double>(), T, p);
+    equations.H_normals += weight * tilt.variance * J_tilt * J_tilt.transpose();
+  }
 }
 
-/// What tilt noise of the plane's normal adds to H on average: directions that only noise "sees" are free.
-void add_normal_noise(NormalEquations& equations, const Plane& plane, const Pose& T, const Eigen::Vector3d& p,
-                      double sigma_m) {
-  const Eigen::Vector3d major = plane.axis_major.cast<double>();
-  const Eigen::Vector3d minor = major.cross(plane.normal.cast<double>());
-  const double weight = plane.variance_m2 / (plane.points * sigma_m * sigma_m);
-  const Vector6d J_major = jacobian(major, T, p);
-  const Vector6d J_minor = jacobian(minor, T, p);
-  equations.H_normals += weight / plane.major_m2 * J_major * J_major.transpose();
-  equations.H_normals += weight / plane.minor_m2 * J_minor * J_minor.transpose();
-}
-
-double distance_m(const Plane& plane, const Eigen::Vector3d& p) {
-  return std::abs(plane.normal.cast<double>().dot(p - plane.centre.cast<double>()));
-}
-
-NormalEquations linearise(PlaneMap& target, const RegistrationPoints& source, const Pose& T, double gate_m,
-                          double sigma_m) {
+/// Of `points` held against `planes`, by a perturbation of T_planes_points.
+NormalEquations linearise(PlaneMap& planes, std::span<const Eigen::Vector3f> points, const Pose& T_planes_points,
+                          double gate_m, double point_variance_m2) {
   NormalEquations equations;
-  for (const Eigen::Vector3f& p : source.points) {
-    const Eigen::Vector3d at = T * p.cast<double>();
-    const Plane* plane = target.plane_at(at.cast<float>());
-    if (plane == nullptr || distance_m(*plane, at) > gate_m) continue;
-    add(equations, *plane, T, p.cast<double>(), sigma_m);
-    add_normal_noise(equations, *plane, T, p.cast<double>(), sigma_m);
+  for (const Eigen::Vector3f& p : points) {
+    const Eigen::Vector3d at = T_planes_points * p.cast<double>();
+    const Plane* plane = planes.plane_at(at.cast<float>());
+    if (plane == nullptr || std::abs(offset_m(*plane, at)) > gate_m) continue;
+    add(equations, *plane, T_planes_points, p.cast<double>(), point_variance_m2);
   }
   return equations;
 }
 
-void measure(PlaneMap& target, const RegistrationPoints& source, double gate_m, SubmapMatch& match) {
+/// Each sub-map's points held against the planes of the other, by a perturbation of T_target_source.
+NormalEquations linearise(SubmapShape& target, SubmapShape& source, const Pose& T_target_source, double gate_m,
+                          const SubmapRegistrationConfig& config) {
+  const double point_variance_m2 = config.point_sigma_m * config.point_sigma_m;
+  NormalEquations equations = linearise(target.planes, source.points, T_target_source, gate_m, point_variance_m2);
+  const NormalEquations back = linearise(source.planes, target.points, T_target_source.inverse(), gate_m, point_variance_m2);
+  // (T Exp(e))^-1 = T^-1 Exp(-Ad(T) e)
+  const Matrix6d Ad = adjoint(T_target_source);
+  equations.H += Ad.transpose() * back.H * Ad + kPriorInformation * Matrix6d::Identity();
+  equations.H_normals += Ad.transpose() * back.H_normals * Ad;
+  equations.g -= Ad.transpose() * back.g;
+  equations.squares += back.squares;
+  equations.inliers += back.inliers;
+  return equations;
+}
+
+void measure(PlaneMap& target, const SubmapShape& source, double gate_m, SubmapMatch& match) {
   std::size_t near = 0;
   std::size_t standing = 0;
   std::size_t fitting = 0;
@@ -91,7 +101,7 @@ void measure(PlaneMap& target, const RegistrationPoints& source, double gate_m, 
     if (!source.standing[i]) continue;
     ++standing;
     const Plane* plane = target.plane_at(at.cast<float>());
-    const bool fits = plane != nullptr ? distance_m(*plane, at) < gate_m
+    const bool fits = plane != nullptr ? std::abs(offset_m(*plane, at)) < gate_m
                                        : nearest.squared_distance_m2 < kSameThing_m * kSameThing_m;
     fitting += fits ? 1 : 0;
   }
@@ -131,9 +141,7 @@ std::uint32_t voxels_of(std::span<const Eigen::Vector3f> points, float voxel_siz
   return static_cast<std::uint32_t>(std::min(voxels.size() + voxels.size() / 64 + kMargin, kMost));
 }
 
-}  // namespace
-
-PlaneMap surfaces(std::span<const Eigen::Vector3f> points) {
+PlaneMap planes_of(std::span<const Eigen::Vector3f> points) {
   PlaneMapConfig config{.max_voxel_weight = 1'000};
   config.max_voxels = voxels_of(points, config.voxel_size_m);
   PlaneMap map{config};
@@ -141,26 +149,27 @@ PlaneMap surfaces(std::span<const Eigen::Vector3f> points) {
   return map;
 }
 
-RegistrationPoints choose_points(std::span<const Eigen::Vector3f> points, PlaneMap& own_surfaces,
-                                 std::uint32_t max_points) {
-  RegistrationPoints chosen;
+}  // namespace
+
+SubmapShape shape_of(std::span<const Eigen::Vector3f> points, std::uint32_t max_points) {
+  SubmapShape shape{.planes = planes_of(points), .points = {}, .standing = {}};
   const std::size_t stride = points.size() / max_points + 1;
   for (std::size_t i = 0; i < points.size(); i += stride) {
-    const Plane* plane = own_surfaces.plane_at(points[i]);
-    chosen.points.push_back(points[i]);
-    chosen.standing.push_back(plane == nullptr || std::abs(plane->normal.z()) < kGroundNormal);
+    const Plane* plane = shape.planes.plane_at(points[i]);
+    shape.points.push_back(points[i]);
+    shape.standing.push_back(plane == nullptr || std::abs(plane->normal.z()) < kGroundNormal);
   }
-  return chosen;
+  return shape;
 }
 
-SubmapMatch register_submap(PlaneMap& target, const RegistrationPoints& source, const Pose& T_target_source,
+SubmapMatch register_submap(SubmapShape& target, SubmapShape& source, const Pose& T_target_source,
                             const SubmapRegistrationConfig& config) {
   SubmapMatch match{.T_target_source = {.T_a_b = T_target_source}};
   Pose& T = match.T_target_source.T_a_b;
   double gate_m = config.coarse_gate_m;
   NormalEquations equations;
   while (match.iterations < config.max_iterations && !match.converged) {
-    equations = linearise(target, source, T, gate_m, config.point_sigma_m);
+    equations = linearise(target, source, T, gate_m, config);
     const Vector6d step = equations.H.ldlt().solve(equations.g);
     if (!step.allFinite()) return match;
     T = boxplus(T, step);
@@ -169,10 +178,10 @@ SubmapMatch register_submap(PlaneMap& target, const RegistrationPoints& source, 
     match.converged = still && gate_m <= config.fine_gate_m;
     gate_m = std::max(0.7 * gate_m, config.fine_gate_m);
   }
-  equations = linearise(target, source, T, config.fine_gate_m, config.point_sigma_m);
+  equations = linearise(target, source, T, config.fine_gate_m, config);
   match.rms_m = equations.inliers == 0 ? 0.0 : std::sqrt(equations.squares / equations.inliers);
   match.T_target_source.covariance = covariance_of(equations, config);
-  measure(target, source, config.fine_gate_m, match);
+  measure(target.planes, source, config.fine_gate_m, match);
   return match;
 }
 

@@ -10,14 +10,14 @@
 namespace slamd {
 
 struct SubmapRegistrationConfig {
-  std::uint32_t max_points = 4'000;       // of the source, evenly chosen
+  std::uint32_t max_points = 4'000;       // of each sub-map, evenly chosen
   std::uint32_t max_iterations = 30;
-  double coarse_gate_m = 1.0;             // correspondences at the first iterations; halved each until fine_gate_m
+  double coarse_gate_m = 1.0;             // correspondences at the first iteration; narrower at each until fine_gate_m
   double fine_gate_m = 0.25;
-  double point_sigma_m = 0.03;            // of a point from its plane, beam noise and thinning together
+  double point_sigma_m = 0.01;            // of a point from a surface that has no thickness: what packing left of it
   double information_scale = 0.05;        // neighbouring points share their errors
-  double floor_sigma_m = 0.01;            // of the sub-maps' own shape, however well they match
-  double floor_sigma_rad = 3.0e-4;
+  double floor_sigma_m = 0.004;           // of the sub-maps' own shape, however well they match
+  double floor_sigma_rad = 1.5e-4;
 };
 
 struct SubmapMatch {
@@ -29,23 +29,20 @@ struct SubmapMatch {
   bool converged = false;
 };
 
-/// A sub-map's surfaces, in its level frame.
-PlaneMap surfaces(std::span<const Eigen::Vector3f> points);
-
-/// Points of a sub-map, evenly chosen; those that stand are told from the ground, which is the same everywhere.
-struct RegistrationPoints {
-  std::vector<Eigen::Vector3f> points;  // level frame, metres
-  std::vector<bool> standing;           // one a point
+/// A sub-map as registration takes it, in its level frame, metres. Planes are fitted when they are asked for, so it changes.
+struct SubmapShape {
+  PlaneMap planes;
+  std::vector<Eigen::Vector3f> points;  // evenly chosen
+  std::vector<bool> standing;           // one a point: not the ground, which is the same everywhere
 };
 
-/// own_surfaces  of the same sub-map
-RegistrationPoints choose_points(std::span<const Eigen::Vector3f> points, PlaneMap& own_surfaces,
-                                 std::uint32_t max_points);
+SubmapShape shape_of(std::span<const Eigen::Vector3f> points, std::uint32_t max_points);
 
-/// Moves `source` (its own level frame) onto `target` from a guess within about a metre and two degrees.
+/// Moves `source` (its own level frame) onto `target` from a guess within about a metre and two degrees. The points of each are
+/// held against the planes of the other, each as much as its plane is thin: a wall counts more than a hedge.
 /// Source: Chen, Medioni 1992; covariance from the Hessian, less what the normals' own noise adds to it, scaled by
 /// information_scale.
-SubmapMatch register_submap(PlaneMap& target, const RegistrationPoints& source, const Pose& T_target_source,
+SubmapMatch register_submap(SubmapShape& target, SubmapShape& source, const Pose& T_target_source,
                             const SubmapRegistrationConfig& config);
 
 }  // namespace slamd

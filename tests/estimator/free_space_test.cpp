@@ -24,7 +24,7 @@ Submap wall_at(float distance_m) {
 
 TEST(FreeSpace, TheSamePlaceIsNotContradicted) {
   const Submap place = wall_at(15.0F);
-  PlaneMap target = surfaces(place.points);
+  PlaneMap target = shape_of(place.points, 1).planes;
   const FreeSpaceCheck check = check_free_space(target, place, Pose{});
   EXPECT_GT(check.rays, 300U);
   EXPECT_LT(check.share(), 0.01);
@@ -33,22 +33,22 @@ TEST(FreeSpace, TheSamePlaceIsNotContradicted) {
 TEST(FreeSpace, RaysThroughAWallAreContradicted) {
   const Submap near = wall_at(10.0F);
   const Submap far = wall_at(15.0F);
-  PlaneMap target = surfaces(near.points);
+  PlaneMap target = shape_of(near.points, 1).planes;
   EXPECT_GT(check_free_space(target, far, Pose{}).share(), 0.3);
 }
 
 TEST(FreeSpace, AWallNearerThanSeenByTheOtherIsNoContradictionOfItsOwnRays) {
   const Submap near = wall_at(10.0F);
-  PlaneMap target = surfaces(wall_at(15.0F).points);
+  PlaneMap target = shape_of(wall_at(15.0F).points, 1).planes;
   EXPECT_LT(check_free_space(target, near, Pose{}).share(), 0.02);
 }
 
 TEST(FreeSpace, GrazingRaysOverTheGroundProveNothing) {
   Submap place = wall_at(40.0F);
-  PlaneMap target = surfaces(wall_at(15.0F).points);
+  PlaneMap target = shape_of(wall_at(15.0F).points, 1).planes;
   std::erase_if(place.points, [](const Eigen::Vector3f& p) { return p.z() > 0.2F; });
   Submap ground = place;
-  PlaneMap plain = surfaces(ground.points);
+  PlaneMap plain = shape_of(ground.points, 1).planes;
   EXPECT_LT(check_free_space(plain, place, Pose{}).share(), 0.01);
 }
 

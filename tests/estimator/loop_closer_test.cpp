@@ -8,10 +8,10 @@ namespace slamd {
 namespace {
 
 using test::BoxTown;
+using test::kRoadRadius_m;
+using test::kRoadSpacing_m;
 using test::Random;
 
-constexpr double kRadius_m = 40.0;
-constexpr double kSpacing_m = 2.0;
 
 /// Rather more than a lap around the town, with odometry that drifts as its covariance says.
 struct Lap {
@@ -22,12 +22,12 @@ struct Lap {
 
   /// jump_m  of odometry in the middle of the lap, known to it by its covariance alone
   explicit Lap(std::uint64_t seed, double jump_m = 0.0) {
-    const BoxTown town = BoxTown::around_circle(kRadius_m, 7);
+    const BoxTown town = BoxTown::around_circle(kRoadRadius_m, 7);
     Random random{seed};
     Pose T_odom_base;
     for (std::size_t i = 0; i < 160; ++i) {
-      const double along_m = kSpacing_m * static_cast<double>(i);
-      truth.push_back(test::pose_on_circle(kRadius_m, along_m, i > 110 ? 1.0 : 0.0));
+      const double along_m = kRoadSpacing_m * static_cast<double>(i);
+      truth.push_back(test::pose_on_circle(kRoadRadius_m, along_m, i > 110 ? 1.0 : 0.0));
       Vector6d sigma = Vector6d::Constant(2e-4);
       sigma.head<3>().setConstant(4e-3);
       if (i == 60) sigma.head<2>().setConstant(std::max(4e-3, jump_m));
@@ -112,15 +112,15 @@ TEST(LoopCloser, TheFirstPlaceIsJoinedInTheMiddleOfItsSubmap) {
 
 TEST(LoopCloser, LeavesAPlaceThatTheOdometryStillHoldsToTheOdometry) {
   LoopCloserConfig config;
-  config.local_map_reach_m = 1.5 * 2.0 * kRadius_m;
+  config.local_map_reach_m = 1.5 * 2.0 * kRoadRadius_m;
   EXPECT_TRUE(run(Lap{1}, config).reports().empty());
-  config.local_map_reach_m = 0.8 * 2.0 * kRadius_m;
+  config.local_map_reach_m = 0.8 * 2.0 * kRoadRadius_m;
   EXPECT_GT(run(Lap{1}, config).closures().size(), 5U);
 }
 
 TEST(LoopCloser, ClosesEvenThereWhenTheOdometryLostItsWay) {
   LoopCloserConfig config;
-  config.local_map_reach_m = 1.5 * 2.0 * kRadius_m;
+  config.local_map_reach_m = 1.5 * 2.0 * kRoadRadius_m;
   EXPECT_GT(run(Lap{2, 3.0}, config).closures().size(), 3U);
 }
 

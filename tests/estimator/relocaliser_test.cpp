@@ -11,17 +11,15 @@ namespace {
 using test::BoxTown;
 using test::Random;
 
-constexpr double kRadius_m = 40.0;
-constexpr double kSpacing_m = 2.0;
 constexpr std::uint64_t kTown = 7;
 constexpr std::size_t kPlenty = 64U << 20U;
 
 /// A vehicle on the road around a town, in odoms that begin where and as often as a test says.
 class Drive {
  public:
-  explicit Drive(std::uint64_t town = kTown) : town_{BoxTown::around_circle(kRadius_m, town)} {}
+  explicit Drive(std::uint64_t town = kTown) : town_{BoxTown::around_circle(test::kRoadRadius_m, town)} {}
 
-  static Pose truth(double along_m) { return test::pose_on_circle(kRadius_m, along_m); }
+  static Pose truth(double along_m) { return test::pose_on_circle(test::kRoadRadius_m, along_m); }
 
   void begin_piece(double along_m) {
     ++piece_;
@@ -33,7 +31,7 @@ class Drive {
     piece_ = static_cast<std::uint32_t>(-1);
   }
   void go(double speed_mps) { speed_mps_ = speed_mps; }
-  void enter(std::uint64_t town) { town_ = BoxTown::around_circle(kRadius_m, town); }
+  void enter(std::uint64_t town) { town_ = BoxTown::around_circle(test::kRoadRadius_m, town); }
 
   Keyframe keyframe(double along_m) {
     Keyframe keyframe;
@@ -61,7 +59,7 @@ class RelocaliserTest : public ::testing::Test {
  protected:
   RelocaliserTest() {
     begin_back_end();
-    for (double along_m = 0.0; along_m < 150.0; along_m += kSpacing_m) add(along_m);
+    for (double along_m = 0.0; along_m < 150.0; along_m += test::kRoadSpacing_m) add(along_m);
   }
 
   /// reach_m  of the odometry's own map, which holds the places within it: closures are looked for beyond
@@ -100,7 +98,7 @@ class RelocaliserTest : public ::testing::Test {
   }
 
   void expect_found_at(double along_m, double within_m) {
-    for (double driven_m = 0.0; driven_m < within_m; driven_m += kSpacing_m) {
+    for (double driven_m = 0.0; driven_m < within_m; driven_m += test::kRoadSpacing_m) {
       along_m_ = along_m + driven_m;
       if (!add(along_m_)) continue;
       EXPECT_TRUE(back_end_->link().places(newest_));
@@ -136,9 +134,9 @@ TEST_F(RelocaliserTest, AnotherTownIsNotTakenForThisOneAndBecomesANewMap) {
   drive_.enter(99);
   drive_.begin_piece(0.0);
   double driven_m = 0.0;
-  for (; !add(driven_m); driven_m += kSpacing_m) EXPECT_FALSE(back_end_->link().places(newest_)) << "at " << driven_m;
+  for (; !add(driven_m); driven_m += test::kRoadSpacing_m) EXPECT_FALSE(back_end_->link().places(newest_)) << "at " << driven_m;
   EXPECT_TRUE(began_anew_);
-  EXPECT_GE(driven_m, RelocaliserConfig{}.patience_m - kSpacing_m);
+  EXPECT_GE(driven_m, RelocaliserConfig{}.patience_m - test::kRoadSpacing_m);
   EXPECT_EQ(back_end_->counts().begun_anew, 1U);
   EXPECT_EQ(back_end_->counts().relocalised, 0U);
   EXPECT_TRUE(back_end_->link().places(newest_)) << "in a map of its own";
@@ -184,7 +182,7 @@ TEST_F(RelocaliserTest, ClosuresOutliveARestartAndHold) {
   drive_ = Drive{};
   begin_back_end(kForgetful_m);
   entered_ = 0;
-  for (double along_m = 0.0; along_m < 320.0; along_m += kSpacing_m) add(along_m);
+  for (double along_m = 0.0; along_m < 320.0; along_m += test::kRoadSpacing_m) add(along_m);
   StoredMap left = back_end_->mapper().stored(kPlenty);
   ASSERT_GT(left.closures.size(), 3U);
   left.sensors.accel_bias_mps2 = {0.01, -0.02, 0.03};

@@ -30,15 +30,14 @@ std::vector<Eigen::Vector3f> view(const BoxTown& town, double along_m, double be
   return points;
 }
 
-RegistrationPoints chosen(const std::vector<Eigen::Vector3f>& points) {
-  PlaneMap own = surfaces(points);
-  return choose_points(points, own, SubmapRegistrationConfig{}.max_points);
+SubmapShape shape(const std::vector<Eigen::Vector3f>& points) {
+  return shape_of(points, SubmapRegistrationConfig{}.max_points);
 }
 
 TEST(SubmapRegistration, ComesWithinCentimetresFromAGuessOfHalfAMetreAndItsCovarianceCoversTheError) {
   const BoxTown town = BoxTown::around_circle(60.0, 4);
   Random random{1};
-  PlaneMap target = surfaces(view(town, 30.0, 0.0, random));
+  SubmapShape target = shape(view(town, 30.0, 0.0, random));
   double nees = 0.0;
   constexpr int kRuns = 6;
   for (int run = 0; run < kRuns; ++run) {
@@ -46,7 +45,8 @@ TEST(SubmapRegistration, ComesWithinCentimetresFromAGuessOfHalfAMetreAndItsCovar
     const Pose truth = test::pose_on_circle(60.0, 30.0).inverse() * test::pose_on_circle(60.0, along_m, 1.0);
     Vector6d off;
     off << 0.4, -0.3, 0.1, 0.005, -0.005, 0.02;
-    const SubmapMatch match = register_submap(target, chosen(view(town, along_m, 1.0, random)), boxplus(truth, off), {});
+    SubmapShape source = shape(view(town, along_m, 1.0, random));
+    const SubmapMatch match = register_submap(target, source, boxplus(truth, off), {});
     EXPECT_TRUE(match.converged);
     EXPECT_GT(match.inlier_share, 0.6);
     EXPECT_GT(match.overlap, 0.8);
@@ -67,8 +67,9 @@ TEST(SubmapRegistration, ACorridorLeavesItsLengthFreeAndSaysSo) {
     }
     for (float y = -2.0F; y <= 2.0F; y += 0.2F) corridor.emplace_back(x, y, static_cast<float>(test::normal(random, 0.01)));
   }
-  PlaneMap target = surfaces(corridor);
-  const SubmapMatch match = register_submap(target, chosen(corridor), Pose{}, {});
+  SubmapShape target = shape(corridor);
+  SubmapShape source = shape(corridor);
+  const SubmapMatch match = register_submap(target, source, Pose{}, {});
   const Matrix6d& covariance = match.T_target_source.covariance;
   EXPECT_GT(std::sqrt(covariance(0, 0)), 50.0 * std::sqrt(covariance(1, 1)));
   EXPECT_LT(std::sqrt(covariance(1, 1)), 0.2);
@@ -76,15 +77,18 @@ TEST(SubmapRegistration, ACorridorLeavesItsLengthFreeAndSaysSo) {
 
 TEST(SubmapRegistration, AnotherPlaceDoesNotFit) {
   Random random{3};
-  PlaneMap target = surfaces(view(BoxTown::around_circle(60.0, 4), 30.0, 0.0, random));
-  const SubmapMatch match = register_submap(target, chosen(view(BoxTown::around_circle(60.0, 99), 180.0, 0.0, random)), Pose{}, {});
-  const SubmapMatch same = register_submap(target, chosen(view(BoxTown::around_circle(60.0, 4), 30.0, 0.0, random)), Pose{}, {});
+  SubmapShape target = shape(view(BoxTown::around_circle(60.0, 4), 30.0, 0.0, random));
+  SubmapShape elsewhere = shape(view(BoxTown::around_circle(60.0, 99), 180.0, 0.0, random));
+  SubmapShape there = shape(view(BoxTown::around_circle(60.0, 4), 30.0, 0.0, random));
+  const SubmapMatch match = register_submap(target, elsewhere, Pose{}, {});
+  const SubmapMatch same = register_submap(target, there, Pose{}, {});
   EXPECT_LT(match.inlier_share, same.inlier_share - 0.1);
 }
 
 TEST(SubmapRegistration, NoPointsAreNoMatch) {
-  PlaneMap target = surfaces({});
-  const SubmapMatch match = register_submap(target, RegistrationPoints{}, Pose{}, {});
+  SubmapShape target = shape({});
+  SubmapShape source = shape({});
+  const SubmapMatch match = register_submap(target, source, Pose{}, {});
   EXPECT_EQ(match.inlier_share, 0.0);
   EXPECT_EQ(match.overlap, 0.0);
 }

@@ -13,6 +13,8 @@
 namespace slamd::test {
 
 inline const Eigen::Vector3d kLidarInBase{0.45, 0.0, 1.9};
+inline constexpr double kRoadRadius_m = 40.0;   // of a road around a small town
+inline constexpr double kRoadSpacing_m = 2.0;   // of keyframes on it
 
 struct BoxTown {
   std::vector<Eigen::AlignedBox3d> boxes;
