@@ -91,6 +91,7 @@ void EstimatorThread::publish(const ScanResult& result) {
   if (result.state.status != TrackingStatus::kInitialising) {
     streams_.path.try_push({result.state.time, result.state.T_odom_base});
   }
+  keyframes_.see(result);
   if (result.is_keyframe) keyframes_.offer(result, odometry_.keyframe_points());
   if (result.has_scan) scans_.fetch_add(1, std::memory_order_relaxed);
 }

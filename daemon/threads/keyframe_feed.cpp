@@ -7,6 +7,15 @@
 
 namespace slamd {
 
+void KeyframeFeed::see(const ScanResult& result) {
+  const NavState& state = result.state;
+  if (result.imu_contradicted) contradicted_ = state.time;
+  const bool doubted = contradicted_ && state.time - *contradicted_ < kLearntAgain;
+  if (doubted || state.status == TrackingStatus::kInitialising) return;
+  gyro_bias_rads_ = state.gyro_bias_rads;
+  accel_bias_mps2_ = state.accel_bias_mps2;
+}
+
 void KeyframeFeed::offer(const ScanResult& result, const PointCloud& points) {
   const Matrix6d relative_covariance = since_last_kept(result);
   Keyframe* slot = ring_.claim();
@@ -19,6 +28,8 @@ void KeyframeFeed::offer(const ScanResult& result, const PointCloud& points) {
   const std::size_t count = std::min(points.size(), slot->points.capacity());
   slot->id = count_.fetch_add(1, std::memory_order_relaxed);
   slot->state = result.state;
+  slot->state.gyro_bias_rads = gyro_bias_rads_;
+  slot->state.accel_bias_mps2 = accel_bias_mps2_;
   slot->relative_covariance = relative_covariance;
   slot->up_base = result.up.up_base;
   slot->up_sigma_rad = result.up.sigma_rad;

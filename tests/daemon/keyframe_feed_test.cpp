@@ -68,5 +68,26 @@ TEST_F(Feed, PointsThatASlotHasNoRoomForAreLeftOut) {
   EXPECT_EQ(taken().points.size(), 2U);
 }
 
+TEST_F(Feed, BiasesOfAnImuThatScansContradictedAMinuteAgoGoIntoNoKeyframe) {
+  const auto biases_at = [this](double seconds, double bias, bool contradicted) {
+    ScanResult result;
+    result.is_keyframe = true;
+    result.imu_contradicted = contradicted;
+    result.state.status = TrackingStatus::kTracking;
+    result.state.time = HostTime{from_seconds(seconds)};
+    result.state.gyro_bias_rads.setConstant(bias);
+    result.state.accel_bias_mps2.setConstant(10.0 * bias);
+    feed_.see(result);
+    feed_.offer(result, points_);
+    const NavState state = taken().state;
+    EXPECT_EQ(state.accel_bias_mps2, 10.0 * state.gyro_bias_rads);
+    return state.gyro_bias_rads.x();
+  };
+  EXPECT_EQ(biases_at(10.0, 0.01, false), 0.01);
+  EXPECT_EQ(biases_at(20.0, 0.3, true), 0.01);
+  EXPECT_EQ(biases_at(79.9, 0.3, false), 0.01) << "what the lie made of them";
+  EXPECT_EQ(biases_at(80.0, 0.02, false), 0.02);
+}
+
 }  // namespace
 }  // namespace slamd
