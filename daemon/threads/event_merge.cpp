@@ -5,6 +5,8 @@
 namespace slamd {
 namespace {
 
+constexpr Duration kLongestSilence = std::chrono::hours{1};
+
 NextEvent oldest(const EventHeads& heads) {
   NextEvent event;
   const auto offer = [&event](NextEvent::Kind kind, const std::optional<HostTime>& arrival) {
@@ -25,13 +27,16 @@ NextEvent EventMerge::next(const EventHeads& heads, HostTime now) {
   if (event.kind != NextEvent::Kind::kNone && !all_wait && event.time > settled) event = {};
 
   const HostTime known_until = event.kind == NextEvent::Kind::kNone ? settled : event.time;
-  if (last_ && *last_ + config_.silence < known_until) event = {NextEvent::Kind::kSilence, *last_ + config_.silence};
+  if (last_ && *last_ + config_.silence < known_until && *last_ + config_.silence <= heard_ + kLongestSilence) {
+    event = {NextEvent::Kind::kSilence, *last_ + config_.silence};
+  }
   if (event.kind == NextEvent::Kind::kNone) return event;
   if (last_ && std::tie(event.time, event.kind) < std::tie(*last_, last_kind_)) {
     ++late_;
   } else {
     last_ = event.time;
     last_kind_ = event.kind;
+    if (event.kind != NextEvent::Kind::kSilence) heard_ = event.time;
   }
   return event;
 }

@@ -34,7 +34,8 @@ class EventMerge {
  public:
   explicit EventMerge(const EventMergeConfig& config) : config_{config} {}
 
-  /// What comes next at host time `now`. The caller consumes it before the next call. A replay passes heads that are
+  /// What comes next at host time `now`. An hour after the last event no more silence is told: a drive whose stamps jump by years has an
+  /// end all the same. The caller consumes it before the next call. A replay passes heads that are
   /// never empty before their end and the newest arrival plus hold_back as `now`.
   NextEvent next(const EventHeads& heads, HostTime now);
 
@@ -44,6 +45,7 @@ class EventMerge {
 
  private:
   EventMergeConfig config_;
+  HostTime heard_;                // of the newest event that was no silence
   std::optional<HostTime> last_;  // of the newest event handed out,
   NextEvent::Kind last_kind_ = NextEvent::Kind::kNone;  // and what it was
   std::uint64_t late_ = 0;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "drivers/imu/imu_scale.hpp"
+#include "drivers/io/host_ns.hpp"
 
 namespace slamd {
 namespace {
@@ -84,7 +85,8 @@ std::optional<ImuSample> ImuCsvReader::parse(std::string_view line) {
   const std::size_t count = split(line, columns);
   std::int64_t t_ns = 0;
   std::array<double, kColumns - 1> values{};
-  bool good = (count == kColumns || count == kColumnsWithoutTemperature) && parse_number(columns[0], t_ns);
+  bool good = (count == kColumns || count == kColumnsWithoutTemperature) && parse_number(columns[0], t_ns) &&
+              is_host_ns(t_ns);
   for (std::size_t i = 1; good && i < count; ++i) {
     good = parse_number(columns[i], values[i - 1]) && std::isfinite(values[i - 1]);
   }

@@ -21,7 +21,7 @@ class ImuCsvReader {
 
   struct Stats {
     std::uint64_t samples = 0;
-    std::uint64_t bad_lines = 0;     // not eight numbers, not finite
+    std::uint64_t bad_lines = 0;     // not eight numbers, not finite, no host time
     std::uint64_t out_of_range = 0;  // values that no sensor gives
     std::uint64_t backward = 0;      // arrival before that of the line above
     std::uint64_t clipped = 0;

@@ -2,13 +2,14 @@
 
 #include <pcap/pcap.h>
 
+#include "drivers/io/host_ns.hpp"
 #include "drivers/io/ip_frame.hpp"
 
 namespace slamd {
 namespace {
 
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
-constexpr std::int64_t kMaxSeconds = 9'000'000'000;  // year 2255, still within 64 bits of nanoseconds
+constexpr std::int64_t kMaxSeconds = kMostHostNs / kNsPerSecond - 1;
 
 std::uint64_t size_of(std::FILE* file) {
   if (std::fseek(file, 0, SEEK_END) != 0) return 0;

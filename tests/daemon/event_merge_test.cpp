@@ -56,6 +56,15 @@ TEST(EventMerge, SilenceIsToldInEqualStepsAndNeverPastTheNextEvent) {
   EXPECT_EQ(merge.next({at_ms(120), {}, {}}, at_ms(130)).kind, Kind::kImu);
 }
 
+TEST(EventMerge, ASilenceOfYearsIsToldForAnHourAndThenNoMore) {
+  EventMerge merge{{.silence = 10min}};
+  EXPECT_EQ(merge.next({at_ms(0), {}, {}}, at_ms(5)).kind, Kind::kImu);
+  const HostTime late{std::chrono::years{40}};
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(merge.next({late, {}, {}}, late + 5ms).kind, Kind::kSilence);
+  EXPECT_EQ(merge.next({late, {}, {}}, late + 5ms).kind, Kind::kImu);
+  EXPECT_EQ(merge.next({}, late + 1h).kind, Kind::kSilence) << "a new one begins";
+}
+
 /// Three sources of random arrivals, each seen by the merge only `delay` after its arrival.
 struct Feed {
   std::array<std::vector<HostTime>, 3> arrivals;
