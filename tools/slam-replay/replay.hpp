@@ -9,7 +9,7 @@
 #include "estimator/odometry/lidar_inertial_odometry.hpp"
 #include "estimator/odometry/pose_predictor.hpp"
 #include "tools/progress/progress.hpp"
-#include "tools/slam-replay/drive.hpp"
+#include "tools/slam-replay/drive/drive.hpp"
 #include "tools/slam-replay/output.hpp"
 #include "tools/slam-replay/report.hpp"
 

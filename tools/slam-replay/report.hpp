@@ -13,7 +13,7 @@
 #include "estimator/graph/relocaliser.hpp"
 #include "estimator/odometry/lidar_inertial_odometry.hpp"
 #include "estimator/types/stage.hpp"
-#include "tools/slam-replay/drive.hpp"
+#include "tools/slam-replay/drive/drive.hpp"
 
 namespace slamd::replay {
 

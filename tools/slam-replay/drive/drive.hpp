@@ -14,8 +14,8 @@
 #include "drivers/imu/imu_frame_parser.hpp"
 #include "drivers/io/pcap_source.hpp"
 #include "drivers/velodyne/vlp16_decoder.hpp"
-#include "tools/slam-replay/gps_csv_reader.hpp"
-#include "tools/slam-replay/wire_reader.hpp"
+#include "tools/slam-replay/drive/gps_csv_reader.hpp"
+#include "tools/slam-replay/drive/wire_reader.hpp"
 
 namespace slamd::replay {
 

@@ -1,4 +1,4 @@
-#include "tools/slam-replay/drive.hpp"
+#include "tools/slam-replay/drive/drive.hpp"
 
 #include <limits>
 #include <utility>
@@ -44,7 +44,9 @@ void Drive::read_shares(const std::string& path) {
   file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');  // the header
   std::int64_t end_ns = 0;
   char comma = ',';
-  for (double share = 1.0; file >> end_ns >> comma >> share;) shares_[from_ns<HostTime>(end_ns)] = share;
+  for (double share = 1.0; file >> end_ns >> comma >> share;) {
+    if (share >= 0.0 && share <= 1.0) shares_[from_ns<HostTime>(end_ns)] = share;
+  }
 }
 
 double Drive::scan_share(HostTime scan_end) const {

@@ -1,7 +1,9 @@
-#include "tools/slam-replay/gps_csv_reader.hpp"
+#include "tools/slam-replay/drive/gps_csv_reader.hpp"
 
 #include <charconv>
 #include <span>
+
+#include "drivers/io/host_ns.hpp"
 
 namespace slamd::replay {
 
@@ -25,7 +27,7 @@ bool GpsCsvReader::read_line() {
   std::int64_t arrival_ns = 0;
   const char* const end = line_.data() + line_.size();
   const auto [rest, error] = std::from_chars(line_.data(), end, arrival_ns);
-  if (error != std::errc{} || rest == end || *rest != ',') {
+  if (error != std::errc{} || rest == end || *rest != ',' || !is_host_ns(arrival_ns)) {
     ++bad_lines_;
     return true;
   }
