@@ -22,6 +22,7 @@ SLAMD = os.environ.get("SLAMD", "slamd")
 SLAM_SIM = os.environ.get("SLAM_SIM", "slam-sim")
 
 ATTEMPTS = 3  # of what a busy machine may spoil
+SENSORS_PRIORITY = 5
 PUNCTUAL_MS = 15.0  # the daemon calls 25 ms between two IMU samples a gap
 
 
@@ -53,9 +54,13 @@ def free_udp_port():
 
 
 def hurry():
-    """Run by the children that are sensors before they start: those have processors of their own in a vehicle."""
-    with contextlib.suppress(PermissionError):
-        os.nice(-15)
+    """Run by the children that are sensors before they start: those have processors of their own in a vehicle. In real time where that
+    is permitted, below all of the daemon's own threads of that kind."""
+    try:
+        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(SENSORS_PRIORITY))
+    except PermissionError:
+        with contextlib.suppress(PermissionError):
+            os.nice(-15)
 
 
 class Process:

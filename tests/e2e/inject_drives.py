@@ -95,12 +95,19 @@ class Outcome:
 class InjectDrive(EndToEndTest):
     """A daemon that allows failures, and a drive that moves."""
 
-    def start_drive(self, duration_s):
+    def start_drive(self, duration_s, with_place=False):
+        """with_place: until GPS has told the map its place on the earth; a lie before that is the first truth that it hears."""
         daemon = self.start_daemon("--set", "health.allow_inject=true")
         self.start_simulator("--rest", "3", "--duration", str(duration_s))
         self.await_pose("driving", lambda pose: pose["status"] == "TRACKING" and math.hypot(*pose["velocity_mps"]) > 4.0)
         self.await_value("healthy sensors", lambda: all(state == "healthy" for state, _ in self.states().values()), 30.0)
+        if with_place:
+            self.await_value("a place on the earth", self.has_place, 60.0)
         return daemon
+
+    def has_place(self):
+        told = self.client.status()["health"]["back_end"]
+        return told["enu"] is not None and told["gnss"]["trust"] == "trusted"
 
     def states(self):
         sources = self.client.status()["health"]["sources"]
@@ -143,7 +150,7 @@ def one_drive(sensor, verb):
     test = InjectDrive("run")
     test.setUp()
     try:
-        test.start_drive(30.0 + FAULT_S[sensor] + AFTER_S[sensor])
+        test.start_drive(60.0 + FAULT_S[sensor] + AFTER_S[sensor], with_place=sensor == "gnss")
         return test.play(sensor, verb)
     finally:
         test.tearDown()

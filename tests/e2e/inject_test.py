@@ -39,7 +39,7 @@ class Injected(InjectDrive):
         for sensor in SENSORS:
             for verb in VERBS:
                 with self.subTest(sensor=sensor, verb=verb):
-                    self.start_drive(30.0 + FAULT_S[sensor] + AFTER_S[sensor])
+                    self.start_drive(60.0 + FAULT_S[sensor] + AFTER_S[sensor], with_place=sensor == "gnss")
                     self.check(self.play(sensor, verb))
                 self.tearDown()
                 self.setUp()
