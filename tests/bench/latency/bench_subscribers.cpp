@@ -2,8 +2,11 @@
 // table; bar: p99 below 300 us.
 //     bench_subscribers [SECONDS]
 
-#include <poll.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -27,10 +30,22 @@ constexpr Duration kPeriod = 5ms;
 constexpr std::string_view kSubscribe = R"({"jsonrpc":"2.0","id":1,"method":"subscribe","params":{"topic":"pose","rate_hz":1000}})"
                                         "\n";
 
-/// As the IMU's thread does: a pose every 5 ms, stamped when it is handed to the server.
-void publish(const std::stop_token& stop, PosePublisher& publisher) {
+/// A pose whose numbers are as long as real ones.
+NavState some_pose() {
   NavState state;
   state.status = TrackingStatus::kTracking;
+  state.T_odom_base = {Eigen::Quaterniond{0.3, -0.1, 0.2, 0.9}.normalized(), {123.0 / 7.0, -45.0 / 7.0, 1.0 / 7.0}};
+  state.velocity_mps = {22.0 / 7.0, 1.0 / 30.0, -1.0 / 300.0};
+  state.angular_velocity_rads = {1.0 / 70.0, -1.0 / 90.0, 1.0 / 3.0};
+  state.covariance = Matrix6d::NullaryExpr([](Eigen::Index row, Eigen::Index column) {
+    return 1e-4 / static_cast<double>(7 + row * column);
+  });
+  return state;
+}
+
+/// As the IMU's thread does: a pose every 5 ms, stamped when it is handed to the server.
+void publish(const std::stop_token& stop, PosePublisher& publisher) {
+  NavState state = some_pose();
   for (HostTime due = host_now(); !stop.stop_requested();) {
     due += kPeriod;
     const std::int64_t ns = to_ns(due);
@@ -41,7 +56,7 @@ void publish(const std::stop_token& stop, PosePublisher& publisher) {
   }
 }
 
-/// All subscribers in one thread: reads whatever has come, stamps it first.
+/// All subscribers in one thread, which costs each as little as it can: a line is taken whole with one call and stamped at once.
 class Subscribers {
  public:
   explicit Subscribers(const std::string& path) {
@@ -49,33 +64,37 @@ class Subscribers {
       auto& subscriber = sockets_.emplace_back(path);
       if (!subscriber.send(kSubscribe)) continue;
       subscriber.receive(10s);
-      polls_.push_back({subscriber.fd(), POLLIN, 0});
+      epoll_event wanted{.events = EPOLLIN, .data = {.fd = subscriber.fd()}};
+      if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, subscriber.fd(), &wanted) == 0) ++size_;
     }
   }
-  std::size_t size() const { return polls_.size(); }
+  std::size_t size() const { return size_; }
 
   void listen(const std::stop_token& stop, Histogram& latency) {
+    std::array<epoll_event, kSubscribers> ready;
+    std::array<char, 65536> bytes;
     while (!stop.stop_requested()) {
-      if (::poll(polls_.data(), polls_.size(), 100) <= 0) continue;
-      for (std::size_t i = 0; i < polls_.size(); ++i) {
-        if ((polls_[i].revents & POLLIN) == 0) continue;
-        while (sockets_[i].receive(0s) == client::LineSocket::Received::kLine) {
-          latency.record(host_now() - sent(sockets_[i].line()));
-        }
+      const int count = ::epoll_wait(epoll_.get(), ready.data(), ready.size(), 100);
+      for (int i = 0; i < count; ++i) {
+        const ssize_t size = ::recv(ready[i].data.fd, bytes.data(), bytes.size(), MSG_DONTWAIT);
+        const HostTime now = host_now();
+        if (size > 0) record({bytes.data(), static_cast<std::size_t>(size)}, now, latency);
       }
     }
   }
 
  private:
-  /// The pose's stamp, found without parsing the rest.
-  static HostTime sent(std::string_view line) {
+  /// The stamps of the poses, found without parsing the rest; a reader that is behind gets several at once.
+  static void record(std::string_view lines, HostTime now, Histogram& latency) {
     constexpr std::string_view kKey = "\"time_ns\":";
-    const std::size_t key = line.find(kKey);
-    return from_ns<HostTime>(std::strtoll(line.data() + key + kKey.size(), nullptr, 10));
+    for (std::size_t key = lines.find(kKey); key != std::string_view::npos; key = lines.find(kKey, key + 1)) {
+      latency.record(now - from_ns<HostTime>(std::strtoll(lines.data() + key + kKey.size(), nullptr, 10)));
+    }
   }
 
   std::vector<client::LineSocket> sockets_;
-  std::vector<pollfd> polls_;
+  UniqueFd epoll_{::epoll_create1(EPOLL_CLOEXEC)};
+  std::size_t size_ = 0;
 };
 
 int run(Duration length) {
