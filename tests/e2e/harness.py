@@ -54,13 +54,17 @@ def free_udp_port():
 
 
 def hurry():
-    """Run by the children that are sensors before they start: those have processors of their own in a vehicle. In real time where that
-    is permitted, below all of the daemon's own threads of that kind."""
+    """Run by the children that are sensors before they start: those have processors of their own in a vehicle."""
+    with contextlib.suppress(PermissionError):
+        os.nice(-15)
+
+
+def hurry_before_all():
+    """Likewise beside other work that would make them late: in real time, below all of the daemon's own threads of that kind."""
     try:
         os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(SENSORS_PRIORITY))
     except PermissionError:
-        with contextlib.suppress(PermissionError):
-            os.nice(-15)
+        hurry()
 
 
 class Process:
@@ -139,6 +143,8 @@ class Client:
 class EndToEndTest(unittest.TestCase):
     """A temporary folder, and one daemon and one simulator in it at most at a time."""
 
+    prepare_sensor = staticmethod(hurry)
+
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="slamd-e2e-")
         self.port = free_udp_port()
@@ -195,7 +201,7 @@ class EndToEndTest(unittest.TestCase):
     def start_simulator(self, *extra):
         return self.start("slam-sim", [SLAM_SIM, "--live", "--imu-pty", self.path("imu"), "--gps-pty", self.path("gnss"),
                                        "--lidar-port", str(self.port), "--position-port", str(self.position_port),
-                                       "--truth", self.path("truth.tum"), *extra], hurry)
+                                       "--truth", self.path("truth.tum"), *extra], self.prepare_sensor)
 
     def await_value(self, what, attempt, timeout_s):
         """Asks until attempt() gives something true; fails after timeout_s with everybody's output."""
