@@ -13,7 +13,6 @@ namespace {
 struct FreeDirections {
   int count = 0;
   Eigen::Vector3d weakest = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d projector = Eigen::Matrix3d::Zero();
 };
 
 /// Information on the three states at `row` with the three at `other` marginalised out (Schur complement). The noise of
@@ -57,7 +56,6 @@ FreeDirections free_directions(const IeskfConfig& config, Linearisation& scan, i
     const Eigen::Vector3d u = solver.eigenvectors().col(i);
     forget(scan, row, u, least);
     if (out.count++ == 0) out.weakest = u;
-    out.projector += u * u.transpose();
   }
   return out;
 }
@@ -141,7 +139,6 @@ void forget_free_directions(const IeskfConfig& config, Linearisation& scan, Upda
   const FreeDirections attitudes = free_directions(config, scan, I::kAttitude, I::kPosition, noise_rotation, noise);
   summary.free_translations = positions.count;
   summary.free_rotations = attitudes.count;
-  summary.free_positions = positions.projector;
   summary.free_direction = positions.weakest;
 }
 

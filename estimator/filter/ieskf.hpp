@@ -37,7 +37,6 @@ struct UpdateSummary {
   double test_ratio = 0.0;      // mean squared normalised residual; points beyond the gate count as at it
   int free_translations = 0;    // directions of position and axes of attitude that the prior alone holds
   int free_rotations = 0;
-  Eigen::Matrix3d free_positions = Eigen::Matrix3d::Zero();  // projector on the free directions of position, odom
   Eigen::Vector3d free_direction = Eigen::Vector3d::Zero();  // unit, odom: the least constrained one, if any is free
 };
 

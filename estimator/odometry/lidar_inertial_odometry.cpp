@@ -84,7 +84,7 @@ const ScanResult* LidarInertialOdometry::fuse(const Scan& scan) {
   if (!is_sane(filter_)) return start_over(scan.end);
   if (was_lost && !fusion_.velocity_search().is_on()) ++stats_.resets;
   estimate_rate(before, carried);
-  fusion_.carry_drift(before, result_.update, filter_);
+  fusion_.carry_drift(before, filter_);
   conclude(carried, scan.complete);
   pick_keyframe(scan);
   const bool new_map = fusion_.restarted() || fusion_.velocity_search().is_on();

@@ -9,13 +9,6 @@ namespace {
 
 constexpr Duration kGap = std::chrono::milliseconds{300};  // between the ends of scans
 
-/// Of a covariance of base (rows as NavState::covariance) what is not along free directions of position.
-void keep_held(Matrix6d& covariance, const Eigen::Matrix3d& free_positions) {
-  const Eigen::Matrix3d held = Eigen::Matrix3d::Identity() - free_positions;
-  covariance.topRows<3>() = (held * covariance.topRows<3>()).eval();
-  covariance.leftCols<3>() = (covariance.leftCols<3>() * held).eval();
-}
-
 }  // namespace
 
 ScanFusion::ScanFusion(const Pose& T_base_imu, const ScanFusionConfig& config)
@@ -29,7 +22,6 @@ void ScanFusion::begin(const InitialState& first) {
   registration_.clear_map();
   relation_.break_off();
   unfused_ = 0;
-  free_positions_.setZero();
   odom_is_told_ = false;
   had_imu_ = first.with_imu;
   first.at_rest ? velocity_search_.end() : velocity_search_.begin(first);
@@ -81,7 +73,6 @@ void ScanFusion::absorb(const Scan& scan, const UpdateSummary& update, FilterSna
 /// defines odom has none but its own tilt.
 void ScanFusion::begin_map(const NewMap& map, FilterSnapshot& filter) {
   registration_.clear_map();
-  free_positions_.setZero();
   relation_.keep_before_new_map(filter);
   const Matrix6d so_far = base_state(filter, T_base_imu_).covariance;
   const Eigen::Vector3d up_imu = filter.state.R_odom_imu.conjugate() * -filter.state.gravity;
@@ -92,28 +83,15 @@ void ScanFusion::begin_map(const NewMap& map, FilterSnapshot& filter) {
   unfused_ = 0;
 }
 
-void ScanFusion::carry_drift(const FilterSnapshot& before, const UpdateSummary& update, FilterSnapshot& filter) {
+void ScanFusion::carry_drift(const FilterSnapshot& before, FilterSnapshot& filter) {
   const Pose T_imu_base = T_base_imu_.inverse();
   const Pose T_odom_before = before.state.T_odom_imu() * T_imu_base;
   const Pose T_odom_base = filter.state.T_odom_imu() * T_imu_base;
   const bool inserted = unfused_ == 0;
-  Matrix6d local = inserted ? local_covariance(filter, T_base_imu_) : Matrix6d::Zero();
-  keep_held(local, update.free_positions);
+  const Matrix6d local = inserted ? local_covariance(filter, T_base_imu_) : Matrix6d::Zero();
   Matrix6d& drift = filter.map_covariance;
   drift = slamd::carry_drift(config_.map_drift, drift, T_odom_before, T_odom_base, local);
-  if (update.fused) {
-    drift.topLeftCorner<3, 3>() += handed_over(before, update.free_positions);
-    free_positions_ = update.free_positions;
-  }
   relation_.carry(T_odom_before, T_odom_base, local);
-}
-
-/// What was not known along directions that were free until now, and that scans hold again: in that they compare with what the
-/// map took in meanwhile, which is as far off.
-Eigen::Matrix3d ScanFusion::handed_over(const FilterSnapshot& before, const Eigen::Matrix3d& still_free) const {
-  const Eigen::Matrix3d held = Eigen::Matrix3d::Identity() - still_free;
-  const Eigen::Matrix3d again = held * free_positions_;
-  return again * before.covariance.block<3, 3>(ErrorIndex::kPosition, ErrorIndex::kPosition) * again.transpose();
 }
 
 bool ScanFusion::map_is_mature() const {

@@ -41,9 +41,8 @@ class ScanFusion {
   /// Inserts the scan just matched into the map, or begins one with it. Once a scan.
   void absorb(const Scan& scan, const UpdateSummary& update, FilterSnapshot& filter);
 
-  /// The map's walk while the vehicle moved from the posterior before to `filter`. Along free directions a pose is not told by the
-  /// map, and what is not known of it is not the map's; it becomes so when scans hold the direction again. Once a scan, after absorb().
-  void carry_drift(const FilterSnapshot& before, const UpdateSummary& update, FilterSnapshot& filter);
+  /// The map's walk while the vehicle moved from the posterior before to `filter`. Once a scan, after absorb().
+  void carry_drift(const FilterSnapshot& before, FilterSnapshot& filter);
   KeyframeRelation& keyframe_relation() { return relation_; }
 
   const VelocitySearch& velocity_search() const { return velocity_search_; }
@@ -61,7 +60,6 @@ class ScanFusion {
     bool moving;         // its first scans are skewed
   };
   void begin_map(const NewMap& map, FilterSnapshot& filter);
-  Eigen::Matrix3d handed_over(const FilterSnapshot& before, const Eigen::Matrix3d& still_free) const;
 
   Pose T_base_imu_;
   ScanFusionConfig config_;
@@ -71,7 +69,6 @@ class ScanFusion {
   std::uint32_t unfused_ = 0;
   HostTime fused_at_{};         // end of the newest scan that the filter or a new map took
   bool had_imu_ = true;         // at any time since the start; without, the LiDAR is alone and believed whole
-  Eigen::Matrix3d free_positions_ = Eigen::Matrix3d::Zero();  // projector, odom: at the newest scan that was fused
   bool odom_is_told_ = false;   // poses of this odom are out: a new map must carry their uncertainty on
   bool restarted_ = false;
   ScanFusionStats stats_;
