@@ -209,6 +209,8 @@ class Slamctl(WithServer):
     def test_status_and_pose_as_text_and_json(self):
         self.assertIn("TRACKING", self.slamctl("status"))
         self.assertEqual(json.loads(self.slamctl("status", "--json"))["pose"]["status"], "TRACKING")
+        watched = self.slamctl("status", "--watch", "--interval", "0.2", "--count", "3", "--json").splitlines()
+        self.assertEqual([json.loads(line)["pose"]["status"] for line in watched], ["TRACKING"] * 3)
         self.assertIn("y 2.000  z 3.000 m", self.slamctl("pose"))
         lines = self.slamctl("pose", "--follow", "--rate", "200", "--count", "5", "--json").splitlines()
         self.assertEqual(len({json.loads(line)["sequence"] for line in lines}), 5)

@@ -71,9 +71,14 @@ client::Connection connect(const Options& options) {
 }
 
 int show_status(client::Connection& daemon, const Options& options) {
-  const json status = daemon.call(method::kGetStatus).result;
-  std::cout << (options.json ? status.dump() + '\n' : status_text(status));
-  return status.at("pose").at("status") == "TRACKING" ? kOk : kNotTracking;
+  const char* const begin = options.watch && !options.json && ::isatty(STDOUT_FILENO) == 1 ? "\033[H\033[2J" : "";
+  for (std::uint64_t shown = 1;; ++shown) {
+    const json status = daemon.call(method::kGetStatus).result;
+    std::cout << begin << (options.json ? status.dump() + '\n' : status_text(status)) << std::flush;
+    const bool is_last = !options.watch || shown == options.count || !std::cout;
+    if (is_last) return status.at("pose").at("status") == "TRACKING" ? kOk : kNotTracking;
+    std::this_thread::sleep_for(std::chrono::duration<double>{options.interval_s});
+  }
 }
 
 int show_metrics(client::Connection& daemon, const Options&) {

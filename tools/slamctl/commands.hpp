@@ -20,10 +20,11 @@ struct Options {
   double timeout_s = 60.0;
   bool follow = false;
   double rate_hz = 10.0;
-  std::uint64_t count = 0;  // poses to follow; 0 = for ever
+  bool watch = false;
+  std::uint64_t count = 0;  // poses to follow, looks at the status; 0 = for ever
   std::string file;
   double voxel_size_m = 0.2;
-  double interval_s = 1.0;  // of top
+  double interval_s = 1.0;  // of top and of watching
   bool once = false;
   std::string sensor, verb;  // of inject
   double for_s = 10.0;

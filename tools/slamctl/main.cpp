@@ -16,11 +16,12 @@ constexpr const char* kFooter =
     "2 bad command line;\n"
     "3 no daemon at the socket, or it hung up or did not answer in time; 4 (status only) the daemon is not TRACKING.\n"
     "Examples:\n"
-    "  slamctl status\n"
+    "  slamctl status --watch\n"
     "  slamctl doctor\n"
     "  slamctl pose --follow --rate 50 --json\n"
     "  slamctl top --once\n"
     "  slamctl inject imu stuck --for 5\n"
+    "  slamctl dump --out before-the-workshop\n"
     "  slamctl map save campus.pcd --voxel 0.1 --box -50 -50 -5 50 50 20\n"
     "  slamctl trajectory save drive.tum";
 
@@ -36,6 +37,14 @@ void add_map(CLI::App& cli, Options& options) {
   save->add_option("--voxel", options.voxel_size_m, "at most one point in each voxel of so many metres")
       ->check(CLI::Range(0.01, 100.0))->capture_default_str();
   save->add_option("--box", options.box, "only inside: min x y z max x y z, metres in map")->expected(6);
+}
+
+void add_status(CLI::App& cli, Options& options) {
+  CLI::App* status = cli.add_subcommand("status", "how the daemon and its sensors are");
+  status->add_flag("--watch", options.watch, "again and again, until interrupted");
+  status->add_option("--interval", options.interval_s, "with --watch: seconds between two looks")
+      ->check(CLI::Range(0.2, 60.0))->capture_default_str();
+  status->add_option("--count", options.count, "with --watch: stop after so many");
 }
 
 void add_top(CLI::App& cli, Options& options) {
@@ -60,7 +69,7 @@ void add_commands(CLI::App& cli, Options& options) {
   cli.add_option("--timeout", options.timeout_s, "seconds to wait for an answer")
       ->check(CLI::Range(0.1, 3600.0))->capture_default_str();
   cli.require_subcommand(1)->fallthrough()->footer(kFooter);
-  cli.add_subcommand("status", "how the daemon and its sensors are");
+  add_status(cli, options);
   cli.add_subcommand("metrics", "status as Prometheus text, for the textfile collector of node_exporter");
   CLI::App* pose = cli.add_subcommand("pose", "where the vehicle is");
   pose->add_flag("--follow", options.follow, "every new pose, until interrupted");
