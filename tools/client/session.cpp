@@ -59,7 +59,7 @@ Session::Reply Session::call(const std::string& method, json params, const OnPro
       continue;
     }
     if (const auto error = message.find("error"); error != message.end()) {
-      fail(error->value("code", SLAMD_PROTOCOL), error->value("message", "error"));
+      fail(error->value("code", int{SLAMD_PROTOCOL}), error->value("message", "error"));
     }
     if (!message.contains("result")) continue;
     Reply reply{std::move(message["result"]), {}};
