@@ -42,27 +42,31 @@ class Daemon {
   }
   const std::string& path() const { return path_; }
 
+  /// To the next who connects.
   void say(std::string bytes) {
     bytes_ = std::move(bytes);
     ready_.release();
   }
+  /// Until whom it was said to has gone.
+  void await_end() { ended_.acquire(); }
 
  private:
   void serve() {
     while (true) {
       ready_.acquire();
       const UniqueFd client{::accept(listener_.get(), nullptr, nullptr)};
-      if (::send(client.get(), bytes_.data(), bytes_.size(), MSG_NOSIGNAL) < 0) continue;
+      [[maybe_unused]] const ssize_t sent = ::send(client.get(), bytes_.data(), bytes_.size(), MSG_NOSIGNAL);
       ::shutdown(client.get(), SHUT_WR);
-      for (char rest[256]; ::read(client.get(), rest, sizeof rest) > 0;) {  // until the client has gone
+      for (char rest[256]; ::read(client.get(), rest, sizeof rest) > 0;) {
       }
+      ended_.release();
     }
   }
 
   std::string path_;
   UniqueFd listener_{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)};
   std::string bytes_;
-  std::binary_semaphore ready_{0};
+  std::binary_semaphore ready_{0}, ended_{0};
 };
 
 template <class Call>
@@ -85,6 +89,7 @@ void talk(Daemon& daemon, std::string bytes) {
     while (ends([&session] { pose_of(session.next()["params"]); })) {
     }
   });
+  daemon.await_end();
 }
 
 }  // namespace
