@@ -14,7 +14,7 @@ struct ImuDoubtConfig {
   double better_inlier_share = 0.9;     // of the points with a plane, and
   double better_inlier_gain = 1.1;      // so many times the inliers of the IMU's motion: a better motion in any case
   double after_clock_s = 10.0;          // no doubt for so long after a clock was unsure: stamps were wrong rather than values
-  double after_gap_s = 1.0;             // nor after the IMU was silent: the scans before were fused on a guessed motion
+  double after_gap_s = 1.0;             // nor, where scans fit, after the IMU was silent: those before were fused on a guess
 };
 
 /// Whether scan and map agree. most_test_ratio: mean squared normalised residual beyond which they do not.

@@ -114,9 +114,7 @@ void LidarInertialOdometry::fuse_standstill() {
 DeadReckoningSummary LidarInertialOdometry::match(const Scan& scan) {
   const FilterSnapshot before = filter_;
   DeadReckoningSummary carried = match_from(before, scan, true);
-  const bool can_doubt = can_doubt_imu(scan.end, carried) && !fusion_.velocity_search().is_on() &&
-                         result_.update.matched >= config_.fusion.registration.update.min_inliers;
-  if (!can_doubt || is_explained()) return carried;
+  if (!is_contradiction(scan.end, carried)) return carried;
   const std::uint32_t inliers = result_.update.inliers;
   FilterSnapshot doubted = before;
   doubt_biases(config_.imu_doubt, result_.update, doubted);
@@ -133,12 +131,16 @@ DeadReckoningSummary LidarInertialOdometry::match(const Scan& scan) {
   return match_from(before, scan, true);
 }
 
-/// Scans stamped wrong contradict the best of IMUs, and so do those that begin where a guessed motion left the filter.
-bool LidarInertialOdometry::can_doubt_imu(HostTime at, const DeadReckoningSummary& carried) {
+/// Whether the scan just matched contradicts the IMU. Scans stamped wrong contradict the best of IMUs; and where a guessed motion
+/// left the filter a while ago, a scan that fits but moves it shows what was wrong with the guess.
+bool LidarInertialOdometry::is_contradiction(HostTime at, const DeadReckoningSummary& carried) {
   const ImuDoubtConfig& config = config_.imu_doubt;
-  if (is_clock_unsure(at)) imu_believed_until_ = std::max(imu_believed_until_, at + from_seconds(config.after_clock_s));
-  if (carried.coasted_s > 0.0) imu_believed_until_ = std::max(imu_believed_until_, at + from_seconds(config.after_gap_s));
-  return at > imu_believed_until_;
+  if (is_clock_unsure(at)) imu_believed_until_ = at + from_seconds(config.after_clock_s);
+  if (carried.coasted_s > 0.0) guess_forgiven_until_ = at + from_seconds(config.after_gap_s);
+  const bool can_doubt = at > imu_believed_until_ && carried.coasted_s == 0.0 && !fusion_.velocity_search().is_on() &&
+                         result_.update.matched >= config_.fusion.registration.update.min_inliers;
+  if (!can_doubt) return false;
+  return at > guess_forgiven_until_ ? !is_explained() : !fits(result_.update, config_.status.max_test_ratio);
 }
 
 bool LidarInertialOdometry::is_clock_unsure(HostTime at) const {

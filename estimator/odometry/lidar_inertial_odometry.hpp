@@ -87,7 +87,7 @@ class LidarInertialOdometry {
   bool start(const Scan& scan);
   DeadReckoningSummary match(const Scan& scan);
   bool is_clock_unsure(HostTime at) const;
-  bool can_doubt_imu(HostTime at, const DeadReckoningSummary& carried);
+  bool is_contradiction(HostTime at, const DeadReckoningSummary& carried);
   bool is_explained() const;
   DeadReckoningSummary match_from(const FilterSnapshot& before, const Scan& scan, bool with_imu);
   DeadReckoningSummary carry_to(const Scan& scan, bool with_imu);
@@ -114,7 +114,8 @@ class LidarInertialOdometry {
   FilterSnapshot filter_;
   FilterSnapshot trusted_;   // the newest one that no sample of a broken IMU can have touched
   Eigen::Vector3d turn_rads_ = Eigen::Vector3d::Zero();  // imu frame, mean over the newest scan that was fused
-  HostTime imu_believed_until_{};  // whatever scans tell
+  HostTime imu_believed_until_{};    // whatever scans tell,
+  HostTime guess_forgiven_until_{};  // and only if they fit
   HostTime now_;
   HostTime last_scan_;       // end of the newest one that was fused or began a map
   ScanResult result_;
