@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <deque>
 #include <random>
 
 #include "tests/support/odometry_run.hpp"
@@ -136,6 +137,23 @@ TEST_F(Faults, AnImuThatIsNothingButNoiseIsNotFollowed) {
     return true;
   });
   EXPECT_GT(odometry_.stats().imu_contradicted, 10U);
+  EXPECT_EQ(results_.back().state.status, TrackingStatus::kTracking) << "reasons " << results_.back().state.reasons;
+  EXPECT_LT(worst_error(1.5), 0.15);
+  EXPECT_LT(worst_sigmas(), kMostSigmas);
+}
+
+/// Its stamps are of their arrival, as without a clock of its own: 0.3 s of silence, then what was measured 0.3 s before.
+TEST_F(Faults, AnImuThatIsHeldBackIsNotFollowed) {
+  std::deque<ImuSample> held;
+  run(9.0, [&](double t, ImuSample& sample) {
+    if (!in_fault(t)) return true;
+    held.push_back(sample);
+    if (t < 3.3) return false;
+    sample.gyro_rads = held.front().gyro_rads;
+    sample.accel_mps2 = held.front().accel_mps2;
+    held.pop_front();
+    return true;
+  });
   EXPECT_EQ(results_.back().state.status, TrackingStatus::kTracking) << "reasons " << results_.back().state.reasons;
   EXPECT_LT(worst_error(1.5), 0.15);
   EXPECT_LT(worst_sigmas(), kMostSigmas);
