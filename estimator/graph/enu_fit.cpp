@@ -12,6 +12,7 @@ constexpr double kInlierSigmas = 3.0;
 constexpr std::size_t kTrials = 150;
 constexpr std::size_t kMostTested = 400;   // pairs that a trial is judged by, evenly chosen
 constexpr int kRefinements = 8;
+constexpr double kHeightLeftOut_m = 100.0;  // sigma of a height from which on it is not used
 
 struct Planar {
   double yaw_rad = 0.0;
@@ -86,7 +87,8 @@ Planar consensus(std::span<const EnuPair> pairs) {
 double height_m(std::span<const EnuPair> pairs, const std::vector<bool>& inlier) {
   std::vector<std::pair<double, double>> steps;  // height and sigma
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (inlier[i] && pairs[i].sigma_m.z() < 100.0) steps.emplace_back(pairs[i].p_enu.z() - pairs[i].p_map.z(), pairs[i].sigma_m.z());
+    if (!inlier[i] || pairs[i].sigma_m.z() >= kHeightLeftOut_m) continue;
+    steps.emplace_back(pairs[i].p_enu.z() - pairs[i].p_map.z(), pairs[i].sigma_m.z());
   }
   if (steps.empty()) return 0.0;
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);

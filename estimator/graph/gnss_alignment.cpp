@@ -32,7 +32,10 @@ GnssAlignment::GnssAlignment(const GnssAlignmentConfig& config, const Eigen::Vec
       latch_{config.trust} {}
 
 void GnssAlignment::add(const GnssFix& fix) {
-  FixReport report{.number = arrived_++, .time = fix.time, .chi2 = std::numeric_limits<double>::quiet_NaN(), .sigma_m = fix.sigma_horizontal_m};
+  FixReport report{.number = arrived_++,
+                   .time = fix.time,
+                   .chi2 = std::numeric_limits<double>::quiet_NaN(),
+                   .sigma_m = fix.sigma_horizontal_m};
   if (!is_usable(fix, report)) {
     if (report.verdict == FixVerdict::kQuality) latch_.judge(fix.time, false);
     refuse(report);
@@ -76,11 +79,12 @@ bool GnssAlignment::is_usable(const GnssFix& fix, FixReport& report) const {
 }
 
 void GnssAlignment::tie_pending() {
-  while (!pending_.empty() && !track_.is_ahead(pending_.front().fix.time - from_seconds(latency_s_))) {
+  const Duration late = from_seconds(latency_.believed_s());
+  while (!pending_.empty() && !track_.is_ahead(pending_.front().fix.time - late)) {
     const Pending& pending = pending_.front();
     const GnssFix& fix = pending.fix;
     const Eigen::Vector3d p_enu = enu_->to_enu({fix.latitude_deg, fix.longitude_deg, fix.height_m});
-    std::optional<TiedFix> tied = track_.tie(fix, fix.time - from_seconds(latency_s_), p_enu);
+    std::optional<TiedFix> tied = track_.tie(fix, fix.time - late, p_enu);
     if (tied) {
       tied->report = pending.report;
       if (!tied_.empty()) tied->since_last_s = to_seconds(tied->time - tied_.back().time);
@@ -131,7 +135,6 @@ void GnssAlignment::refit(const GraphView& view) {
   if (first) judged_ = 0;
   const GnssLatency latency = latency_.estimate();
   if (first || !config_.estimate_latency || !latency.significant()) return;
-  latency_s_ += latency.correction_s;
   latency_.shift(latency.correction_s);
   tie_anew();
   fit_ = fit_enu(pairs(view), config_.fit);
@@ -140,7 +143,7 @@ void GnssAlignment::refit(const GraphView& view) {
 
 GnssLatency GnssAlignment::latency() const {
   const GnssLatency rest = latency_.estimate();
-  return {latency_s_ + rest.correction_s, rest.sigma_s};
+  return {latency_.believed_s() + rest.correction_s, rest.sigma_s};
 }
 
 bool GnssAlignment::update(const GraphView& view, const std::optional<EnuAlignment>& alignment) {

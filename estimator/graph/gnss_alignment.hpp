@@ -77,7 +77,6 @@ class GnssAlignment final : public PositionSource {
   std::optional<EnuFit> fit_;
   GnssTrustLatch latch_;
   GnssLatencyEstimator latency_;
-  double latency_s_ = 0.0;              // believed
   bool bends_ = false;                  // positions enter the graph
   std::vector<GnssPosition> positions_;
 };

@@ -36,8 +36,11 @@ class GnssLatencyEstimator {
     return {-(position_.along() + velocity_.along()) / information, 1.0 / std::sqrt(information)};
   }
 
+  /// So much older than their stamps the fixes are taken to be that innovations are made of, seconds.
+  double believed_s() const { return believed_s_; }
   /// From now on innovations are those of fixes taken to be older by so much; so are those added before.
   void shift(double correction_s) {
+    believed_s_ += correction_s;
     position_.shift(correction_s);
     velocity_.shift(correction_s);
   }
@@ -67,6 +70,7 @@ class GnssLatencyEstimator {
   };
 
   Regression position_, velocity_;
+  double believed_s_ = 0.0;
 };
 
 }  // namespace slamd

@@ -27,7 +27,7 @@ struct LoopClosure {
 
 /// The stages that a candidate passes, in this order. Numbers are those of closures.csv and never reused.
 enum class LoopStage : std::uint8_t {
-  kSearch = 0,        // found as a candidate, not looked at further (a better neighbour was, or the budget was used up)
+  kSearch = 0,        // the view from above finds no place for it, or several that fit equally well
   kRegistration = 1,  // fitness: share of inliers
   kOverlap = 2,       // share of the sub-map that the other one sees
   kFreeSpace = 3,     // share of rays that pass through a surface of the other
@@ -83,8 +83,8 @@ class LoopSource {
     static_cast<void>(keyframe);
     return {};
   }
-  /// Looks at keyframes that were not looked at so far; when cancelled at one of them at least, at the others the next time. True when
-  /// closures() is another set than before.
+  /// Looks at keyframes that were not looked at so far; when cancelled at one of them at least, at the others the next
+  /// time. True when closures() is another set than before.
   virtual bool update(const GraphView& view, const Cancelled& cancelled = {}) = 0;
   /// All closures that hold now: what is missing here is not in the graph any more.
   virtual std::span<const LoopClosure> closures() const = 0;

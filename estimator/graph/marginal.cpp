@@ -23,7 +23,8 @@ std::vector<double*> variables(const ceres::Problem& problem) {
 }
 
 /// Empty when it cannot be evaluated.
-Jacobian jacobian(ceres::Problem& problem, const ceres::Problem::EvaluateOptions& options, std::vector<double>* errors = nullptr) {
+Jacobian jacobian(ceres::Problem& problem, const ceres::Problem::EvaluateOptions& options,
+                  std::vector<double>* errors = nullptr) {
   ceres::CRSMatrix crs;
   if (!problem.Evaluate(options, nullptr, errors, nullptr, &crs)) return {};
   return Eigen::Map<const Jacobian>{crs.num_rows,     crs.num_cols,    static_cast<int>(crs.values.size()),
@@ -53,7 +54,7 @@ Eigen::MatrixXd marginal_covariance(ceres::Problem& problem, double* block) {
   ceres::Problem::EvaluateOptions options;
   options.parameter_blocks = variables(problem);
   // The wanted one last: its columns are then the last ones.
-  std::stable_partition(options.parameter_blocks.begin(), options.parameter_blocks.end(), [block](const double* other) { return other != block; });
+  std::ranges::stable_partition(options.parameter_blocks, [block](const double* other) { return other != block; });
   const Jacobian J = jacobian(problem, options);
   Factorisation factorisation;
   if (!factorise(J, factorisation)) return {};

@@ -75,6 +75,36 @@ TEST(SubmapRegistration, ACorridorLeavesItsLengthFreeAndSaysSo) {
   EXPECT_LT(std::sqrt(covariance(1, 1)), 0.2);
 }
 
+/// Ground and a street's walls, one wall across it, and four hedges across that are seen `deeper_m` farther along.
+std::vector<Eigen::Vector3f> street_with_hedges(float deeper_m, Random& random) {
+  constexpr double kWallSigma_m = 0.01, kHedgeSigma_m = 0.1;
+  std::vector<Eigen::Vector3f> points;
+  const auto noise = [&](double sigma_m) { return static_cast<float>(test::normal(random, sigma_m)); };
+  for (float x = -15.0F; x <= 15.0F; x += 0.2F) {
+    for (float y = -6.0F; y <= 6.0F; y += 0.2F) points.emplace_back(x, y, noise(kWallSigma_m));
+    for (float z = 0.0F; z <= 3.0F; z += 0.2F) {
+      for (const float y : {-6.0F, 6.0F}) points.emplace_back(x, y + noise(kWallSigma_m), z);
+    }
+  }
+  for (float y = -3.0F; y <= 3.0F; y += 0.1F) {
+    for (float z = 0.5F; z <= 3.0F; z += 0.1F) {
+      points.emplace_back(12.0F + noise(kWallSigma_m), y, z);
+      for (const float x : {-9.0F, -4.0F, 1.0F, 6.0F}) points.emplace_back(x + deeper_m + noise(kHedgeSigma_m), y, z);
+    }
+  }
+  return points;
+}
+
+TEST(SubmapRegistration, AWallCountsMoreThanHedgesThatAreSeenDeeperFromElsewhere) {
+  constexpr float kDeeper_m = 0.08F;
+  Random random{5};
+  SubmapShape target = shape(street_with_hedges(0.0F, random));
+  SubmapShape source = shape(street_with_hedges(kDeeper_m, random));
+  const SubmapMatch match = register_submap(target, source, Pose{}, {});
+  EXPECT_TRUE(match.converged);
+  EXPECT_LT(std::abs(match.T_target_source.T_a_b.translation.x()), 0.25 * kDeeper_m);
+}
+
 TEST(SubmapRegistration, AnotherPlaceDoesNotFit) {
   Random random{3};
   SubmapShape target = shape(view(BoxTown::around_circle(60.0, 4), 30.0, 0.0, random));
