@@ -1,14 +1,11 @@
 """A booted Debian in a container of its own: systemd-nspawn on an overlay of the running root, which it cannot change. Holds no
 test."""
 
-import glob
 import os
-import shutil
 import subprocess
 import sys
-import tempfile
-import unittest
-import uuid
+
+from overlay_root import OverlayRoot, require_root_and, run
 
 sys.path.append(os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "support"))
 
@@ -16,14 +13,6 @@ from waiting import first_value  # noqa: E402
 
 ADDRESS = "192.168.1.77"         # of the machine
 SENSOR_ADDRESS = "192.168.1.201"  # on the other end of its cable
-TOOLS = ("systemd-nspawn", "nsenter", "ip")
-
-
-def run(*command, check=True, timeout_s=120.0):
-    done = subprocess.run(command, capture_output=True, text=True, timeout=timeout_s, check=False)
-    if check and done.returncode != 0:
-        raise AssertionError(f"{' '.join(command)}: code {done.returncode}\n{done.stdout}{done.stderr}")
-    return done
 
 
 def await_value(what, attempt, timeout_s):
@@ -55,21 +44,18 @@ class Cable:
             run("ip", "netns", "delete", namespace, check=False)
 
 
-class Machine:
+class Machine(OverlayRoot):
     """prepare(), boot(), close(); close() alone when one of the two has failed."""
 
     def __init__(self):
-        self.folder = tempfile.mkdtemp(prefix="slamd-system-")
-        self.root = os.path.join(self.folder, "root")
+        super().__init__()
         self.container = None
         self.leader = None
         self.cable = None
 
     def prepare(self):
         """Its root and its network cable. SkipTest where the system does not permit a machine."""
-        missing = [tool for tool in TOOLS if shutil.which(tool) is None]
-        if os.geteuid() != 0 or missing:
-            raise unittest.SkipTest(f"a machine is booted by root only; missing: {missing or 'nothing'}")
+        require_root_and("systemd-nspawn", "nsenter", "ip")
         self.mount()
         self.cable = Cable()
 
@@ -90,32 +76,10 @@ class Machine:
         except AssertionError as failure:
             raise AssertionError(f"{failure}\n{self.call('systemctl', 'list-jobs', check=False).stdout}") from failure
 
-    def mount(self):
-        upper, work = (os.path.join(self.folder, name) for name in ("upper", "work"))
-        for folder in (self.root, upper, work):
-            os.mkdir(folder)
-        mounted = run("mount", "-t", "overlay", "overlay", "-o", f"lowerdir=/,upperdir={upper},workdir={work}", self.root,
-                      check=False)
-        if mounted.returncode != 0:
-            raise unittest.SkipTest(f"no overlay of the root file system: {mounted.stderr.strip()}")
-        for wants in glob.glob(self.path("/etc/systemd/system/*.wants")):
-            shutil.rmtree(wants)  # what this machine was asked to start, the other one was not
-        os.symlink("/dev/null", self.path("/etc/systemd/system/timers.target"))
-        os.remove(self.path("/etc/machine-id"))
-        self.write("/etc/machine-id", uuid.uuid4().hex + "\n")
-
     def find_leader(self):
         with open(f"/proc/{self.container.pid}/task/{self.container.pid}/children", encoding="ascii") as children:
             pids = children.read().split()
         return int(pids[0]) if pids else None
-
-    def path(self, path):
-        return self.root + path
-
-    def write(self, path, text):
-        os.makedirs(os.path.dirname(self.path(path)), exist_ok=True)
-        with open(self.path(path), "w", encoding="utf-8") as file:
-            file.write(text)
 
     def call(self, *command, check=True, timeout_s=120.0):
         """Runs a command in the machine, as its root."""
@@ -127,9 +91,7 @@ class Machine:
 
     def install(self, folder, *packages):
         """With what the packages need already there: it has no network."""
-        shutil.copytree(folder, self.path("/debs"), dirs_exist_ok=True, ignore=lambda _, names:
-                        [name for name in names if not name.endswith(".deb")])
-        files = [f"/debs/{name}" for name in os.listdir(self.path("/debs")) if name.split("_")[0] in packages]
+        files = self.bring(folder, *packages)
         return self.call("apt-get", "install", "-y", "--no-install-recommends", "-o", "Dpkg::Use-Pty=0", *files).stdout
 
     def close(self):
@@ -143,5 +105,4 @@ class Machine:
                 self.container.wait()
         if self.cable:
             self.cable.close()
-        run("umount", "-l", self.root, check=False)
-        shutil.rmtree(self.folder, ignore_errors=True)
+        super().close()

@@ -13,7 +13,8 @@ import time
 import unittest
 
 from frozen_thread import FrozenThread
-from machine import ADDRESS, Machine, await_value, run
+from machine import ADDRESS, Machine, await_value
+from overlay_root import run
 
 PACKAGES = os.environ["SLAMD_PACKAGES"]
 SLAM_SIM = os.environ["SLAM_SIM"]
