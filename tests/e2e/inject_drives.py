@@ -85,8 +85,10 @@ class Outcome:
         bad = [sample.time_s for sample in self.samples if not good(sample)]
         return max(0.0, max(bad, default=self.end_s) - self.end_s)
 
-    def tracking_again_s(self):
-        return self.again_s(lambda sample: sample.pose["status"] == "TRACKING")
+    def tracking_again_s(self, besides=()):
+        """Samples that are DEGRADED by one of the reasons `besides` alone count as TRACKING."""
+        allowed = {("TRACKING", ())} | {("DEGRADED", (reason,)) for reason in besides}
+        return self.again_s(lambda sample: (sample.pose["status"], tuple(sample.pose["reasons"])) in allowed)
 
     def healthy_again_s(self):
         return self.again_s(lambda sample: sample.states[self.sensor][0] == "healthy")
