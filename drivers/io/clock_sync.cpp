@@ -27,12 +27,15 @@ Duration ClockSync::sigma() const {
 
 HostTime ClockSync::update(DeviceTime device, HostTime arrival) {
   const bool first = !started_;
+  const Duration paused = arrival - last_arrival_;
+  last_arrival_ = arrival;
   if (!first && device <= pivot_device_ && pivot_device_ - device < config_.reorder_limit) return to_host(device);
 
   if (first || device < pivot_device_) restart(device, arrival);
   double x_s = to_seconds(device - origin_device_);
   const auto delay_ns = static_cast<double>(((arrival - origin_host_) - (device - origin_device_)).count());
-  const Arrival verdict = judge(x_s, delay_ns, arrival);
+  const bool device_paused = device - pivot_device_ > config_.most_step;
+  const Arrival verdict = judge(x_s, delay_ns, arrival, device_paused ? Duration{0} : paused);
   if (verdict == Arrival::kPlausible) envelope_.add(x_s, delay_ns);
   if (verdict == Arrival::kJump || has_strayed(device, x_s)) {
     restart(device, arrival);
@@ -63,7 +66,8 @@ bool ClockSync::has_strayed(DeviceTime device, double x_s) const {
 }
 
 /// A datum before its time is a jump; one that is late may be a queue that empties soon, or a jump when it does not.
-ClockSync::Arrival ClockSync::judge(double x_s, double delay_ns, HostTime arrival) {
+/// paused: since the arrival before, where the device did not pause as well.
+ClockSync::Arrival ClockSync::judge(double x_s, double delay_ns, HostTime arrival, Duration paused) {
   if (envelope_.count() == 0) return Arrival::kPlausible;
   const double excess_ns = delay_ns - envelope_.line().at(x_s);
   if (excess_ns < -gate_ns(x_s)) return Arrival::kJump;
@@ -71,9 +75,19 @@ ClockSync::Arrival ClockSync::judge(double x_s, double delay_ns, HostTime arriva
     late_count_ = 0;
     return Arrival::kPlausible;
   }
-  if (late_count_++ == 0) late_since_ = arrival;
-  const bool persists = late_count_ >= kFewestLate && arrival - late_since_ >= config_.jump_confirm;
+  if (late_count_++ == 0) {
+    late_since_ = arrival;
+    held_ = is_held(excess_ns, paused);
+  }
+  const Duration patience = held_ ? config_.most_hold : config_.jump_confirm;
+  const bool persists = late_count_ >= kFewestLate && arrival - late_since_ >= patience;
   return persists ? Arrival::kJump : Arrival::kLate;
+}
+
+/// Whether arrivals paused while the device's stamps ran on without one missing: something on the way holds the data back, and
+/// the clocks are as they were. A clock that steps does so between two data that arrive one soon after the other.
+bool ClockSync::is_held(double excess_ns, Duration paused) const {
+  return excess_ns < static_cast<double>(config_.most_held.count()) && static_cast<double>(paused.count()) > 0.5 * excess_ns;
 }
 
 /// Begins a new envelope at this datum. Counted when a mapping that was trusted ends, not while it was still found.

@@ -16,7 +16,10 @@ class ClockSync {
     Duration min_latency{0};              // constant part of the delay from measurement to arrival
     DelayEnvelope::Config envelope;       // window, expected jitter and skew
     Duration jump_threshold{3'000'000};   // a delay that changes by more than this is a jump of a clock or late data
-    Duration jump_confirm{300'000'000};   // late data end within this host time, a jump does not
+    Duration jump_confirm{300'000'000};   // late data end within this host time, a jump does not;
+    Duration most_hold{10'000'000'000};   // within this where they became late in a pause of arrivals,
+    Duration most_held{1'000'000'000};    // by no more than this,
+    Duration most_step{20'000'000};       // in which the device itself did not pause: it stamped on by no more than this
     Duration reorder_limit{250'000'000};  // a device time that falls back by more is a reset of the device
     Duration lock_sigma{100'000};         // locked() below this
     double slew_ppm = 2000.0;             // largest correction of the output's rate while locked,
@@ -52,7 +55,8 @@ class ClockSync {
  private:
   enum class Arrival : std::uint8_t { kPlausible, kLate, kJump };
 
-  Arrival judge(double x_s, double delay_ns, HostTime arrival);
+  Arrival judge(double x_s, double delay_ns, HostTime arrival, Duration paused);
+  bool is_held(double excess_ns, Duration paused) const;
   bool has_strayed(DeviceTime device, double x_s) const;
   HostTime estimate(DeviceTime device, double x_s) const;
   double gate_ns(double x_s) const;
@@ -68,8 +72,10 @@ class ClockSync {
   HostTime pivot_host_{};
   double rate_ = 1.0;
   double slew_left_ns_ = 0.0;  // what the output still lacks of the estimate
+  HostTime last_arrival_{};
   HostTime late_since_{};      // arrival of the first of late_count_ late samples in a row
   std::uint32_t late_count_ = 0;
+  bool held_ = false;          // those: the data come late, and the clocks are as they were
   bool started_ = false;
   bool locked_ = false;
   std::uint32_t jumps_ = 0;

@@ -265,7 +265,7 @@ TEST(ClockSync, ABacklogReadAtOnceAtTheStartIsForgottenSoonAfter) {
 
 /// Something on the way holds every datum back for a while, and then gives all that it held at once.
 TEST(ClockSync, DelayedDataThatComeInTimeAgainAreInTimeAgain) {
-  for (const Duration delay : {Duration{50ms}, Duration{300ms}, Duration{1s}}) {
+  for (const Duration delay : {Duration{50ms}, Duration{300ms}, Duration{900ms}}) {
     ClockSync sync{imu_config()};
     constexpr Duration kPeriod = 1327us;
     constexpr Duration kOffset = 1000s;
@@ -277,11 +277,15 @@ TEST(ClockSync, DelayedDataThatComeInTimeAgainAreInTimeAgain) {
     };
     Duration device{};
     const auto error_s = [&] { return std::abs(to_seconds(time - HostTime{kOffset + device - kPeriod})); };
-    for (; device < 17s; device += kPeriod) time = sync.update(DeviceTime{device}, arrival(device));
-    EXPECT_LT(error_s(), 1e-3) << to_seconds(delay);
+    for (; device < 17s; device += kPeriod) {
+      time = sync.update(DeviceTime{device}, arrival(device));
+      const double error_now_s = std::abs(to_seconds(time - HostTime{kOffset + device}));
+      ASSERT_TRUE(device < 5s || error_now_s < 1e-3) << to_seconds(delay) << " at " << to_seconds(device);
+    }
+    EXPECT_EQ(sync.jumps(), 0U) << to_seconds(delay);
     for (; device < 24s; device += kPeriod) time = sync.update(DeviceTime{device}, arrival(device));
     EXPECT_LT(error_s(), 1e-4) << to_seconds(delay);
-    EXPECT_LT(std::abs(sync.skew_ppm()), 20.0) << to_seconds(delay);
+    EXPECT_LT(std::abs(sync.skew_ppm()), 30.0) << to_seconds(delay);
     EXPECT_TRUE(sync.locked()) << to_seconds(delay);
   }
 }
