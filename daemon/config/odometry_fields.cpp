@@ -101,7 +101,7 @@ Fields doubt_fields(ImuDoubtConfig& c) {
       {"odometry.imu_doubt.after_clock_s", &c.after_clock_s, "s", {0, 1e4},
        "the IMU is not doubted for so long after a clock was unsure: stamps were wrong rather than values"},
       {"odometry.imu_doubt.after_gap_s", &c.after_gap_s, "s", {0, 1e4},
-       "nor after the IMU was silent: the scans before were fused on a guessed motion"},
+       "nor after the IMU was silent by a scan that fits: the ones before were fused on a guessed motion"},
   };
 }
 
@@ -109,7 +109,7 @@ Fields standstill_fields(StandstillConfig& c) {
   return {
       {"odometry.standstill.window_s", &c.window_s, "s", kSeconds, "of IMU samples before a scan's end"},
       {"odometry.standstill.gyro_std_rads", &c.gyro_std_rads, "rad/s", kSigma,
-       "the vehicle stands: deviation of every axis at most; it is what the IMU's own noise gives, four times"},
+       "the vehicle stands: deviation of every axis at most, four times the LSM6DSOX's own noise"},
       {"odometry.standstill.accel_std_mps2", &c.accel_std_mps2, "m/s^2", kSigma, "likewise"},
       {"odometry.standstill.sigma_mps", &c.sigma_mps, "m/s", kSigma, "of the velocity of zero that a scan is then given"},
       {"odometry.standstill.most_mps", &c.most_mps, "m/s", kSigma, "a state that says it moves faster is not told otherwise"},

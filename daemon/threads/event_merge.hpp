@@ -34,9 +34,9 @@ class EventMerge {
  public:
   explicit EventMerge(const EventMergeConfig& config) : config_{config} {}
 
-  /// What comes next at host time `now`. An hour after the last event no more silence is told: a drive whose stamps jump by years has an
-  /// end all the same. The caller consumes it before the next call. A replay passes heads that are
-  /// never empty before their end and the newest arrival plus hold_back as `now`.
+  /// What comes next at host time `now`. The caller consumes it before the next call. A replay passes heads that are
+  /// never empty before their end and the newest arrival plus hold_back as `now`. An hour after the last event no more silence
+  /// is told: a drive whose stamps jump by years has an end all the same.
   NextEvent next(const EventHeads& heads, HostTime now);
 
   /// Events that came after a later one had been handed out: their thread was slower than hold_back. With none of them the

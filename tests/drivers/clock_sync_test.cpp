@@ -273,7 +273,7 @@ TEST(ClockSync, DelayedDataThatComeInTimeAgainAreInTimeAgain) {
     const auto arrival = [&](Duration device) {
       const HostTime in_time{kOffset + device + 350us};
       const bool held = device >= 10s && device < 14s;
-      return held ? std::min(in_time + delay, HostTime{kOffset + 14s}) : in_time;
+      return held ? std::max(in_time, std::min(in_time + delay, HostTime{kOffset + 14s})) : in_time;
     };
     Duration device{};
     const auto error_s = [&] { return std::abs(to_seconds(time - HostTime{kOffset + device - kPeriod})); };
@@ -285,9 +285,30 @@ TEST(ClockSync, DelayedDataThatComeInTimeAgainAreInTimeAgain) {
     EXPECT_EQ(sync.jumps(), 0U) << to_seconds(delay);
     for (; device < 24s; device += kPeriod) time = sync.update(DeviceTime{device}, arrival(device));
     EXPECT_LT(error_s(), 1e-4) << to_seconds(delay);
-    EXPECT_LT(std::abs(sync.skew_ppm()), 30.0) << to_seconds(delay);
+    EXPECT_LT(std::abs(sync.skew_ppm()), 1.0) << to_seconds(delay);
     EXPECT_TRUE(sync.locked()) << to_seconds(delay);
   }
+}
+
+TEST(ClockSync, DataThatStayDelayedAreFollowedInTheEnd) {
+  ClockSync sync{imu_config()};
+  constexpr Duration kPeriod = 5ms;
+  constexpr Duration kDelay = 300ms;
+  HostTime time{};
+  Duration device{};
+  const auto late_s = [&] { return to_seconds(time - HostTime{1000s + device - kPeriod}); };
+  const auto run_to = [&](Duration end) {
+    for (; device < end; device += kPeriod) {
+      time = sync.update(DeviceTime{device}, HostTime{1000s + device + 350us + (device < 5s ? Duration{0} : kDelay)});
+    }
+  };
+  run_to(14s);
+  EXPECT_LT(std::abs(late_s()), 1e-3) << "still taken for held back";
+  EXPECT_EQ(sync.jumps(), 0U);
+  run_to(20s);
+  EXPECT_NEAR(late_s(), to_seconds(kDelay), 1e-3) << "taken for a step of the clock";
+  EXPECT_EQ(sync.jumps(), 1U);
+  EXPECT_TRUE(sync.locked());
 }
 
 TEST(CounterUnwrapper, CountsOnPastTheHour) {

@@ -85,10 +85,20 @@ class Outcome:
         bad = [sample.time_s for sample in self.samples if not good(sample)]
         return max(0.0, max(bad, default=self.end_s) - self.end_s)
 
-    def tracking_again_s(self, besides=()):
-        """Samples that are DEGRADED by one of the reasons `besides` alone count as TRACKING."""
-        allowed = {("TRACKING", ())} | {("DEGRADED", (reason,)) for reason in besides}
-        return self.again_s(lambda sample: (sample.pose["status"], tuple(sample.pose["reasons"])) in allowed)
+    def tracking_again_s(self):
+        return self.again_s(lambda sample: sample.pose["status"] == "TRACKING")
+
+    def without_hiccups(self):
+        """Leaves out samples that say nothing but `imu_gap` and stand alone: TRACKING half a second before and after."""
+        def tracks(time_s):
+            near = min(self.samples, key=lambda sample: abs(sample.time_s - time_s))
+            return near.pose["status"] == "TRACKING"
+
+        def is_hiccup(sample):
+            alone = tracks(sample.time_s - 0.5) and tracks(sample.time_s + 0.5)
+            return sample.pose["reasons"] == ["imu_gap"] and alone
+
+        return dataclasses.replace(self, samples=[sample for sample in self.samples if not is_hiccup(sample)])
 
     def healthy_again_s(self):
         return self.again_s(lambda sample: sample.states[self.sensor][0] == "healthy")

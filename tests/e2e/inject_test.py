@@ -17,8 +17,8 @@ class Injected(InjectDrive):
         what = (outcome.sensor, outcome.verb)
         self.assertNotIn("reset", outcome.reasons(), what)
         self.assertEqual(outcome.samples[-1].pose["status"], "TRACKING", what)
-        # A busy machine holds the IMU's port up for longer than a scan's deadline now and then: bridged, and no failure's.
-        self.assertLess(outcome.tracking_again_s(besides={"imu_gap"}), MAX_TRACKING_AGAIN_S, what)
+        # A busy machine's kernel holds a pty up for longer than a scan's deadline now and then: bridged, and no failure's.
+        self.assertLess(outcome.without_hiccups().tracking_again_s(), MAX_TRACKING_AGAIN_S, what)
         self.assertLess(outcome.worst_m(), MAX_WRONG_M if outcome.verb == "wrong" else MAX_ERROR_M, what)
         self.assertIsNotNone(outcome.healthy_again_s(), (what, outcome.samples[-1].states))
 

@@ -143,6 +143,7 @@ std::string to_json(const Report& report, const StageTimes& times, const Drive& 
     out["stages_ms"][name(stage)] = milliseconds(times.stage(stage));
   }
   out["scans_fused"] = stats.fusion.fused;
+  out["scans_standing"] = stats.standstills;
   out["map_restarts"] = stats.fusion.map_restarts;
   out["keyframes"] = report.keyframes;
   out["map_points"] = report.map_points;
