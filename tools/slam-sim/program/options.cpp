@@ -56,6 +56,7 @@ void add_drive(CLI::App& app, DriveSpec& d) {
   app.add_option("--seed", d.seed, "of world, motion and noise")->capture_default_str()->group("Drive");
   add_choice(app, "--world", kWorlds, d.world, "where to drive");
   add_choice(app, "--trajectory", kCourses, d.course.kind, "which way");
+  app.add_option("--laps", d.course.laps, "so many times a closed way")->check(CLI::Range(1, 1000))->capture_default_str();
   app.add_option("--duration", d.max_duration_s, "end after this many seconds (0 = when the course ends)")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--length", d.course.length_m, "end the course after this many metres (0 = all of it)")

@@ -13,16 +13,16 @@ namespace {
 
 constexpr double kSlice = 0.5;
 
-Path path_of(const World& world, CourseKind kind) {
-  switch (kind) {
+Path path_of(const World& world, const CourseSpec& course) {
+  switch (course.kind) {
     case CourseKind::kFigureEight:
       return Path{world.figure_eight};
     case CourseKind::kLineAndBack:
       return Path{world.line};
     case CourseKind::kTwoLaps:
-      return Path{world.short_loop, 2};
+      return Path{world.short_loop, 2 * course.laps};
     default:
-      return Path{world.loop};
+      return Path{world.loop, course.laps};
   }
 }
 
@@ -105,7 +105,7 @@ struct Simulation::Parts {
   explicit Parts(const DriveSpec& wanted)
       : spec{wanted},
         world{make_world(wanted.world, wanted.seed)},
-        path{path_of(world, wanted.course.kind)},
+        path{path_of(world, wanted.course)},
         trajectory{world, path, plan_of(wanted, world, path)},
         traffic{world, trajectory, path, wanted.crowd, wanted.seed},
         vehicle{reference_vehicle()},

@@ -16,6 +16,7 @@ enum class CourseKind { kLoop, kTwoLaps, kFigureEight, kLineAndBack, kStandstill
 
 struct CourseSpec {
   CourseKind kind = CourseKind::kLoop;
+  int laps = 1;            // so many times the course, where it is closed
   bool moving_start = false;
   double speed_mps = 0.0;  // 0 = the world's limit
   double rest_s = 2.0;     // at the start
