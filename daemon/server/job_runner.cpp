@@ -1,5 +1,9 @@
 #include "daemon/server/job_runner.hpp"
 
+#include <pthread.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <boost/asio/post.hpp>
 #include <exception>
 #include <utility>
@@ -8,6 +12,20 @@
 #include "daemon/server/protocol/protocol.hpp"
 
 namespace slamd {
+namespace {
+
+constexpr int kNice = 10;  // two hundred clients that ask for maps must not keep the mapping thread from its processor
+
+void stand_back() {
+  pthread_setname_np(pthread_self(), "slamd-jobs");
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);  // on Linux of the thread alone
+}
+
+}  // namespace
+
+JobRunner::JobRunner(boost::asio::io_context& io, std::size_t max_jobs) : io_{io}, max_jobs_{max_jobs} {
+  boost::asio::post(pool_, stand_back);
+}
 
 bool JobRunner::submit(Job job, Ticket ticket) {
   if (jobs_ >= max_jobs_) return false;

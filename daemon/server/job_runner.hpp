@@ -1,6 +1,6 @@
 #pragma once
 // Runs the slow jobs one after the other on a thread of its own and brings their outcome back to the server's thread.
-// Bounded: a job too many is refused, not queued.
+// Bounded: a job too many is refused, not queued. Maps for clients come after all other work of the daemon.
 
 #include <atomic>
 #include <boost/asio/io_context.hpp>
@@ -16,7 +16,7 @@ namespace slamd {
 class JobRunner {
  public:
   /// io  the server's loop, on which `done` and `progress` are called
-  JobRunner(boost::asio::io_context& io, std::size_t max_jobs) : io_{io}, max_jobs_{max_jobs} {}
+  JobRunner(boost::asio::io_context& io, std::size_t max_jobs);
   ~JobRunner() { stop(); }
 
   struct Ticket {

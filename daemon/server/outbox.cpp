@@ -1,5 +1,7 @@
 #include "daemon/server/outbox.hpp"
 
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 
 #include <cerrno>
@@ -32,7 +34,15 @@ ssize_t send_some(int socket, const char* bytes, std::size_t count, int fd) {
 
 void Outbox::push(Line line, UniqueFd fd) {
   bytes_ += line->size();
+  untaken_fds_ += fd ? 1 : 0;
   messages_.push_back({std::move(line), std::move(fd)});
+}
+
+std::size_t Outbox::untaken_fds(int socket) {
+  int waiting = 0;
+  const bool may_be_taken = untaken_fds_ > 0 && messages_.empty();
+  if (may_be_taken && ::ioctl(socket, SIOCOUTQ, &waiting) == 0 && waiting == 0) untaken_fds_ = 0;
+  return untaken_fds_;
 }
 
 Outbox::Flush Outbox::flush(int socket) {

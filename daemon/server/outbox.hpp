@@ -24,6 +24,8 @@ class Outbox {
   std::size_t bytes() const { return bytes_; }
   bool empty() const { return messages_.empty(); }
   std::size_t total_sent() const { return total_sent_; }
+  /// Descriptors that wait here or, as far as is known, in the peer's socket: none as soon as the peer has taken all.
+  std::size_t untaken_fds(int socket);
 
  private:
   struct Message {
@@ -35,6 +37,7 @@ class Outbox {
   std::deque<Message> messages_;
   std::size_t bytes_ = 0;  // not yet sent
   std::size_t total_sent_ = 0;
+  std::size_t untaken_fds_ = 0;
 };
 
 }  // namespace slamd

@@ -17,6 +17,8 @@ namespace error = protocol::error;
 
 constexpr int kLinesPerTurn = 8;               // then the other clients have theirs
 constexpr std::size_t kMaxJobsOfOneClient = 2;
+constexpr std::size_t kMaxUntakenFds = 2;      // each may be a map of some megabytes
+constexpr Duration kTakingPeriod = std::chrono::milliseconds{10};  // between two looks whether they were taken
 
 bool has_hung_up(int socket) {
   pollfd state{.fd = socket, .events = 0, .revents = 0};
@@ -53,12 +55,13 @@ void Session::read() {
                           });
 }
 
-/// Handles waiting lines until there are none, the client's rate or room is used up, or its turn is over. Goes on by
-/// itself: with the next bytes, by the timer, or when the socket has taken what waited (flush).
+/// Handles waiting lines until there are none, the client's rate or room is used up, it leaves descriptors untaken, or its turn is
+/// over. Goes on by itself: with the next bytes, by the timer, or when the socket has taken what waited (flush).
 void Session::work() {
   for (int i = 0; i < kLinesPerTurn; ++i) {
     no_room_ = !has_room();
     if (*closed_ || no_room_) return;
+    if (outbox_.untaken_fds(socket_.native_handle()) >= kMaxUntakenFds) return work_after(kTakingPeriod);
     if (!waiting_line_) waiting_line_ = lines_.next();
     if (!waiting_line_) {
       if (input_ended_) return close_if_done();
@@ -66,17 +69,16 @@ void Session::work() {
     }
     if (!bucket_.take(host_now())) {
       ++context_.counts.throttled;
-      turn_timer_.expires_after(bucket_.wait());
-      return work_later();
+      return work_after(bucket_.wait());
     }
     const std::string line = *std::exchange(waiting_line_, std::nullopt);
     line.size() > context_.limits.max_request_bytes ? refuse_line() : handle(line);
   }
-  turn_timer_.expires_after(Duration{0});
-  work_later();
+  work_after(Duration{0});
 }
 
-void Session::work_later() {
+void Session::work_after(Duration pause) {
+  turn_timer_.expires_after(pause);
   turn_timer_.async_wait([self = shared_from_this()](error_code failure) {
     if (!failure) self->work();
   });
@@ -174,7 +176,8 @@ void Session::notify(const Outbox::Line& line) {
 }
 
 void Session::check_stall(HostTime now) {
-  if (outbox_.empty() || to_seconds(now - progress_time_) < context_.limits.stall_timeout_s) return;
+  const bool waits = !outbox_.empty() || outbox_.untaken_fds(socket_.native_handle()) > 0;
+  if (!waits || to_seconds(now - progress_time_) < context_.limits.stall_timeout_s) return;
   ++context_.counts.stalled_clients;
   close();
 }

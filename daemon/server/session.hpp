@@ -47,7 +47,7 @@ class Session : public std::enable_shared_from_this<Session> {
  private:
   void read();
   void work();
-  void work_later();
+  void work_after(Duration pause);
   void handle(const std::string& line);
   void answer(const RpcRequest& request, Methods::Handled handled);
   void start_job(const RpcRequest& request, Job job);

@@ -1,3 +1,4 @@
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -118,6 +119,37 @@ TEST_F(ServerLimitsTest, AClientThatNeverReadsLosesItsOwnMessagesOnlyAndIsDroppe
   EXPECT_EQ(server_->clients(), 1U);
   EXPECT_EQ(wait_for_count("stalled_clients", 1), 1U);
   EXPECT_TRUE(deaf.hung_up());
+}
+
+/// Bytes that the daemon has sent and the client has not read.
+int unread_bytes(const RawClient& client) {
+  int bytes = 0;
+  return ::ioctl(client.fd(), FIONREAD, &bytes) == 0 ? bytes : -1;
+}
+
+TEST_F(ServerLimitsTest, WhoLeavesDescriptorsUntakenGetsNoMoreUntilItTakesThem) {
+  start();
+  RawClient hoarder = connect();
+  constexpr int kPages = 40;  // below the burst of requests that is served without a pause
+  for (int i = 0; i < kPages; ++i) ASSERT_TRUE(hoarder.request(i, "get_pose_page"));
+  RawClient other = connect();
+  const std::size_t answer_bytes = other.call(0, "get_pose_page").dump().size() + 1;
+  for (int i = 1; i <= 5; ++i) other.call(i, "version");  // the hoarder has had its turns between them
+  EXPECT_LE(unread_bytes(hoarder), static_cast<int>(2 * answer_bytes + 10));
+  for (int i = 0; i < kPages; ++i) {
+    ASSERT_TRUE(hoarder.answer(i).contains("result"));
+    EXPECT_TRUE(hoarder.take_fd());
+  }
+}
+
+TEST_F(ServerLimitsTest, AClientThatNeverTakesADescriptorIsDropped) {
+  start({.stall_timeout_s = 0.5});
+  RawClient deaf = connect();
+  ASSERT_TRUE(deaf.request(1, "get_pose_page"));
+  RawClient healthy = connect();
+  ASSERT_TRUE(healthy.call(1, "get_pose_page").contains("result"));
+  EXPECT_EQ(wait_for_count("stalled_clients", 1), 1U);
+  EXPECT_TRUE(healthy.call(2, "version").contains("result"));
 }
 
 TEST_F(ServerLimitsTest, ASlowClientIsToldHowManyNotificationsItLost) {
