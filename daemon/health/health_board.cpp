@@ -1,7 +1,6 @@
 #include "daemon/health/health_board.hpp"
 
 #include <array>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "daemon/health/process_memory.hpp"
@@ -107,18 +106,6 @@ json HealthBoard::to_json(HostTime now) const {
   for (const auto& [name, probe] : counts_) object["counts"][name] = probe();
   for (const auto& [name, probe] : objects_) object[name] = probe();
   return object;
-}
-
-std::string HealthBoard::line() const {
-  std::string text;
-  for (const Source& source : sources_) {
-    char rate[64];
-    std::snprintf(rate, sizeof rate, " %.1f/s ", source.rate_hz);
-    text += source.name + rate;
-  }
-  std::uint64_t dropped = 0;
-  for (const auto& ring : rings_) dropped += ring.second().dropped;
-  return text + "dropped " + std::to_string(dropped);
 }
 
 }  // namespace slamd

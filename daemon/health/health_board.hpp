@@ -66,9 +66,6 @@ class HealthBoard {
   /// Server's thread. The object that get_status gives under "health".
   nlohmann::json to_json(HostTime now) const;
 
-  /// One line for a log or a service manager: "lidar 753.9/s imu 200.0/s gnss 5.0/s dropped 0".
-  std::string line() const;
-
  private:
   struct Source {
     std::string name;

@@ -41,9 +41,6 @@ class LatestValue {
     return value;
   }
 
-  /// Any thread. Number of values stored so far: tells a reader whether anything is new.
-  std::uint64_t stores() const { return block_.stores(); }
-
  private:
   using Block = Seqlock<(sizeof(T) + 7) / 8>;
   Block block_;

@@ -46,9 +46,6 @@ class Seqlock {
   /// Any thread. False when nothing was ever stored, nor is being stored for the first time.
   bool begun() const { return sequence_.load(std::memory_order_acquire) != 0; }
 
-  /// Any thread. Completed stores so far.
-  std::uint64_t stores() const { return sequence_.load(std::memory_order_acquire) / 2; }
-
   /// About a millisecond of trying: far longer than a writer that is running needs.
   static constexpr int kAttempts = 20'000;
 

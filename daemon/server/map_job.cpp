@@ -2,10 +2,8 @@
 
 #include <sys/stat.h>
 
-#include <algorithm>
-#include <cctype>
-
 #include "daemon/server/protocol/protocol.hpp"
+#include "daemon/store/file_name.hpp"
 
 namespace slamd {
 namespace {
@@ -32,10 +30,7 @@ MapRequest read_map_request(Params& params) {
 }
 
 bool is_good_map_name(const std::string& name) {
-  constexpr std::size_t kLongest = 128;
-  const auto good = [](char c) { return (std::isalnum(static_cast<unsigned char>(c)) != 0) || c == '.' || c == '_' || c == '-'; };
-  return name.size() <= kLongest && (name.ends_with(".pcd") || name.ends_with(".ply")) && name.front() != '.' &&
-         std::all_of(name.begin(), name.end(), good);
+  return is_plain_file_name(name) && (name.ends_with(".pcd") || name.ends_with(".ply"));
 }
 
 Outcome make_map(const MapStore& store, const MapRequest& request, const JobProgress& progress) {

@@ -18,7 +18,7 @@ struct MapRequest {
 /// voxel_size_m and box; the format is the caller's.
 MapRequest read_map_request(Params& params);
 
-/// Name of a file in the configured folder: letters, digits, "._-", not hidden, ends in .pcd or .ply.
+/// Name of a file in the configured folder: a plain one that ends in .pcd or .ply.
 bool is_good_map_name(const std::string& name);
 
 Outcome make_map(const MapStore& store, const MapRequest& request, const JobProgress& progress);

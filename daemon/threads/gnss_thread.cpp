@@ -1,7 +1,5 @@
 #include "daemon/threads/gnss_thread.hpp"
 
-#include "daemon/inject/value_fault.hpp"
-#include "daemon/inject/wire_fault.hpp"
 #include "daemon/server/host_clock.hpp"
 
 namespace slamd {
@@ -11,18 +9,10 @@ constexpr Duration kStopLatency = std::chrono::milliseconds{50};
 
 }  // namespace
 
-struct GnssThread::Faults {
-  WireFault wire;
-  GnssValueFault values;
-};
-
-GnssThread::~GnssThread() = default;
-
 void GnssThread::allow_faults() {
   constexpr WireFaultShape kShape{.delay = std::chrono::seconds{1}, .period = std::chrono::seconds{8}, .held_reads = 256,
                                   .read_bytes = 512};
-  const FaultSwitch& verbs = streams_.faults.gnss;
-  faults_ = std::make_unique<Faults>(Faults{WireFault{verbs, kShape}, GnssValueFault{verbs}});
+  faults_ = std::make_unique<SensorFault<GnssValueFault>>(streams_.faults.gnss, kShape);
 }
 
 GnssThread::GnssThread(const GnssThreadConfig& config, const NmeaParser::Config& nmea, Streams& streams)

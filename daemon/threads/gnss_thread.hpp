@@ -7,6 +7,7 @@
 #include <span>
 #include <stop_token>
 
+#include "daemon/inject/sensor_fault.hpp"
 #include "daemon/ring/latest_value.hpp"
 #include "daemon/ring/nonblocking.hpp"
 #include "daemon/threads/recorder.hpp"
@@ -37,7 +38,6 @@ class GnssThread {
  public:
   /// streams must outlive it.
   GnssThread(const GnssThreadConfig& config, const NmeaParser::Config& nmea, Streams& streams);
-  ~GnssThread();
 
   /// Before run(): every read of the port goes to `tap` as well, which must outlive the thread.
   void record_to(WireTap& tap) { tap_ = &tap; }
@@ -50,8 +50,6 @@ class GnssThread {
   GnssReport report() const { return report_.load().value_or(GnssReport{}); }
 
  private:
-  struct Faults;
-
   void take(std::span<const std::uint8_t> bytes, HostTime arrival) SLAMD_NONBLOCKING;
   void take(const GnssFix& fix);
 
@@ -59,7 +57,7 @@ class GnssThread {
   NmeaParser parser_;
   Streams& streams_;
   WireTap* tap_ = nullptr;
-  std::unique_ptr<Faults> faults_;  // null: none may be played
+  std::unique_ptr<SensorFault<GnssValueFault>> faults_;  // null: none may be played
   GnssReport now_;
   LatestValue<GnssReport> report_;
 };

@@ -3,35 +3,14 @@
 #include <algorithm>
 #include <utility>
 
-#include "daemon/inject/value_fault.hpp"
-#include "daemon/inject/wire_fault.hpp"
 #include "daemon/server/host_clock.hpp"
+#include "daemon/threads/clock_health.hpp"
 
 namespace slamd {
-namespace {
-
-ClockHealth clock_health(const ClockSync& clock) {
-  return {.locked = clock.locked(),
-          .skew_ppm = clock.skew_ppm(),
-          .skew_sigma_ppm = clock.skew_sigma_ppm(),
-          .sigma_s = to_seconds(clock.sigma()),
-          .jumps = clock.jumps()};
-}
-
-}  // namespace
-
-struct ImuThread::Faults {
-  WireFault wire;
-  ImuValueFault values;
-};
-
-ImuThread::~ImuThread() = default;
-
 void ImuThread::allow_faults() {
   constexpr WireFaultShape kShape{.delay = std::chrono::milliseconds{300}, .period = std::chrono::seconds{1},
                                   .held_reads = 512, .read_bytes = 128};
-  const FaultSwitch& verbs = streams_.faults.imu;
-  faults_ = std::make_unique<Faults>(Faults{WireFault{verbs, kShape}, ImuValueFault{verbs}});
+  faults_ = std::make_unique<SensorFault<ImuValueFault>>(streams_.faults.imu, kShape);
 }
 
 ImuThread::ImuThread(const ImuThreadConfig& config, const ImuFrameParser::Config& frames, PosePredictor predictor,

@@ -10,6 +10,7 @@
 
 #include "daemon/health/health_board.hpp"
 #include "daemon/health/histogram.hpp"
+#include "daemon/inject/sensor_fault.hpp"
 #include "daemon/ring/latest_value.hpp"
 #include "daemon/ring/nonblocking.hpp"
 #include "daemon/server/pose_publisher.hpp"
@@ -43,7 +44,6 @@ class ImuThread {
   /// streams and publisher must outlive it.
   ImuThread(const ImuThreadConfig& config, const ImuFrameParser::Config& frames, PosePredictor predictor,
             Streams& streams, PosePublisher& publisher);
-  ~ImuThread();
 
   /// Before run(): every read of the port goes to `tap` as well, which must outlive the thread.
   void record_to(WireTap& tap) { tap_ = &tap; }
@@ -62,8 +62,6 @@ class ImuThread {
   const Histogram& imu_to_page() const { return imu_to_page_; }
 
  private:
-  struct Faults;
-
   void take(std::span<const std::uint8_t> bytes, HostTime arrival) SLAMD_NONBLOCKING;
   void take(const ImuSample& sample);
   void take_posterior() SLAMD_NONBLOCKING;
@@ -77,7 +75,7 @@ class ImuThread {
   PosePredictor predictor_;
   Streams& streams_;
   WireTap* tap_ = nullptr;
-  std::unique_ptr<Faults> faults_;  // null: none may be played
+  std::unique_ptr<SensorFault<ImuValueFault>> faults_;  // null: none may be played
   PosePublisher& publisher_;
   MapPlacement placement_;
   HostTime last_posterior_;

@@ -2,9 +2,8 @@
 
 #include <utility>
 
-#include "daemon/inject/value_fault.hpp"
-#include "daemon/inject/wire_fault.hpp"
 #include "daemon/server/host_clock.hpp"
+#include "daemon/threads/clock_health.hpp"
 
 namespace slamd {
 namespace {
@@ -13,19 +12,10 @@ constexpr Duration kStopLatency = std::chrono::milliseconds{100};
 
 }  // namespace
 
-struct LidarThread::Faults {
-  WireFault wire;
-  LidarValueFault values;
-};
-
-LidarThread::LidarThread(LidarThread&&) noexcept = default;
-LidarThread::~LidarThread() = default;
-
 void LidarThread::allow_faults() {
   constexpr WireFaultShape kShape{.delay = std::chrono::milliseconds{300}, .period = std::chrono::seconds{1},
                                   .held_reads = 512, .read_bytes = 1248};
-  const FaultSwitch& verbs = streams_.faults.lidar;
-  faults_ = std::make_unique<Faults>(Faults{WireFault{verbs, kShape}, LidarValueFault{verbs}});
+  faults_ = std::make_unique<SensorFault<LidarValueFault>>(streams_.faults.lidar, kShape);
 }
 
 Result<LidarThread> LidarThread::open(const LidarThreadConfig& config, const Vlp16Config& decoder, Streams& streams) {
@@ -56,9 +46,7 @@ void LidarThread::run(const std::stop_token& stop) {
     read_positions();
     now_.decoder = decoder_.stats();
     now_.socket = packets_.stats();
-    now_.last_rejection = decoder_.last_rejection();
-    now_.clock_locked = decoder_.clock().locked();
-    now_.rotation_rpm = decoder_.rotation_rpm();
+    now_.clock = clock_health(decoder_.clock());
     report_->store(now_);
   }
 }
@@ -97,8 +85,8 @@ void LidarThread::read_positions() {
     if (tap_ != nullptr) tap_->take(packet);
     const Result<Vlp16Position> position = parse_vlp16_position(packet.payload);
     if (!position) continue;
-    now_.pps = position->pps;
     ++now_.position_packets;
+    now_.pps_locked += position->pps == PpsState::kLocked ? 1 : 0;
   }
 }
 

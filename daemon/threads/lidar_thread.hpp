@@ -8,6 +8,8 @@
 #include <stop_token>
 #include <string>
 
+#include "daemon/health/health_board.hpp"
+#include "daemon/inject/sensor_fault.hpp"
 #include "daemon/ring/latest_value.hpp"
 #include "daemon/ring/nonblocking.hpp"
 #include "daemon/threads/recorder.hpp"
@@ -34,11 +36,9 @@ struct LidarReport {
   std::uint64_t packets = 0;  // handed on
   Vlp16Stats decoder;
   UdpStats socket;
-  std::uint64_t position_packets = 0;
-  PpsState pps = PpsState::kAbsent;
-  Vlp16Rejection last_rejection = Vlp16Rejection::kCount;
-  bool clock_locked = false;
-  double rotation_rpm = 0.0;
+  std::uint64_t position_packets = 0;  // of which
+  std::uint64_t pps_locked = 0;        // said that the sensor's clock follows a pulse per second
+  ClockHealth clock;
 };
 
 class LidarThread {
@@ -46,8 +46,6 @@ class LidarThread {
   /// Binds both ports; fails with the step that failed. streams must outlive the thread.
   [[nodiscard]] static Result<LidarThread> open(const LidarThreadConfig& config, const Vlp16Config& decoder,
                                                 Streams& streams);
-  LidarThread(LidarThread&&) noexcept;
-  ~LidarThread();
 
   /// Before run(): every datagram goes to `tap` as well, which must outlive the thread.
   void record_to(WireTap& tap) { tap_ = &tap; }
@@ -60,8 +58,6 @@ class LidarThread {
   LidarReport report() const { return report_->load().value_or(LidarReport{}); }
 
  private:
-  struct Faults;
-
   LidarThread(UdpSource packets, UdpSource positions, const Vlp16Config& decoder, Streams& streams);
   void receive();
   void decode(const UdpPacket& packet) SLAMD_NONBLOCKING;
@@ -72,7 +68,7 @@ class LidarThread {
   Vlp16Decoder decoder_;
   Streams& streams_;
   WireTap* tap_ = nullptr;
-  std::unique_ptr<Faults> faults_;  // null: none may be played
+  std::unique_ptr<SensorFault<LidarValueFault>> faults_;  // null: none may be played
   LidarReport now_;
   std::unique_ptr<LatestValue<LidarReport>> report_;
 };

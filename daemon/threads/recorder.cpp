@@ -1,13 +1,13 @@
 #include "daemon/threads/recorder.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "daemon/store/file_name.hpp"
 #include "daemon/threads/pause.hpp"
 #include "daemon/threads/state_directory.hpp"
 
@@ -51,12 +51,6 @@ std::string FlightRecorderConfig::dump_folder() const {
   if (!folder.empty()) return folder;
   const std::string state = state_directory();
   return state.empty() ? state : state + "/dumps";
-}
-
-bool is_good_dump_name(const std::string& name) {
-  constexpr std::size_t kLongest = 128;
-  const auto good = [](char c) { return (std::isalnum(static_cast<unsigned char>(c)) != 0) || c == '.' || c == '_' || c == '-'; };
-  return !name.empty() && name.size() <= kLongest && name.front() != '.' && std::ranges::all_of(name, good);
 }
 
 Recorder::Recorder(const std::string& config_yaml, const FlightRecorderConfig& flight)
@@ -158,7 +152,7 @@ Result<std::string> Recorder::write_dump(const Request& request, bool draining) 
   const std::filesystem::path folder{flight_.dump_folder()};
   if (folder.empty()) return fail("no folder for dumps is configured (flight_recorder.folder)");
   if (flight_.span == Duration{}) return fail("nothing is kept (flight_recorder.span_s is 0)");
-  if (!is_good_dump_name(request.name)) return fail("the name must be a plain file name");
+  if (!is_plain_file_name(request.name)) return fail("the name must be a plain file name");
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   const auto here = std::filesystem::directory_iterator{folder, error};

@@ -138,7 +138,4 @@ class Recorder {
   std::atomic<std::uint64_t> failed_dumps_{0};
 };
 
-/// A plain file name: letters, digits, '.', '_', '-', at most 128, not beginning with a dot.
-bool is_good_dump_name(const std::string& name);
-
 }  // namespace slamd

@@ -53,6 +53,10 @@ SourceHealth source_health(const LidarReport& report) {
       [&](const char* cause, std::uint64_t count) { add_rejected(health, cause, count); });
   add_rejected(health, "foreign_sender", report.socket.foreign);
   add_rejected(health, "oversized", report.socket.oversized);
+  health.events = {{"clock_jumps", report.decoder.clock_jumps},
+                   {"position_packets", report.position_packets},
+                   {"pps_locked", report.pps_locked}};
+  if (report.packets > 0) health.clock = report.clock;
   return health;
 }
 
@@ -95,7 +99,7 @@ SensorEvidence evidence(const LidarReport& report, const std::optional<PoseSampl
   told.good = report.packets;
   report.decoder.rejections.for_each([&](const char*, std::uint64_t count) { told.bad += count; });
   told.lost = report.decoder.lost + report.socket.overflowed;
-  told.clock_sure = report.clock_locked;
+  told.clock_sure = report.clock.locked;
   if (says(pose, StatusReason::kInnovation)) told.use = Use::kDoubted;
   if (says(pose, StatusReason::kNoLidar)) told.use = Use::kRefused;
   return told;
