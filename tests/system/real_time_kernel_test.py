@@ -58,6 +58,9 @@ class RealTimeKernelTest(unittest.TestCase):
         self.assertTrue(self.report["healthy_again"], self.log())
         self.assertEqual(self.report["restarts"], "0")
 
+    def test_plugged_in_the_board_starts_a_service_that_is_enabled_and_no_other(self):
+        self.assertEqual(self.report["pulled_in"], [False, True], self.log())
+
     def test_the_check_of_the_machine_has_nothing_against_this_kernel(self):
         self.assertRegex(self.report["rt_check"], r"(?m)^right +kernel .*PREEMPT_RT")
 

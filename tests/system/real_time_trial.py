@@ -16,6 +16,7 @@ GADGET = "/sys/kernel/config/usb_gadget/imu"
 SERIAL = "E6617C93E3428A2F"
 FRAME_S, BATCH = 0.005, 10
 PATIENCE_S = 240.0  # a second of a processor may take this machine twenty
+SETTLED_S = 5.0      # after it nothing starts any more
 DROP_IN = "[Service]\nTimeoutStartSec=300s\nWatchdogSec=0\n"
 CONFIG = 'imu:\n  device: /dev/slamd-imu\ngnss:\n  device: ""\n'
 
@@ -116,6 +117,20 @@ def process():
             "memory_max": read(f"/sys/fs/cgroup{group}/memory.max").strip()}
 
 
+def started_by_plugging_in(board):
+    """Of a service that is enabled, and stopped: before, with the board out, and with it in again."""
+    run("systemctl", "stop", "slamd")
+    states = []
+    for enabled in ("disable", "enable"):
+        run("systemctl", enabled, "slamd")
+        board.pull_out()
+        await_value(lambda: not os.path.exists("/dev/slamd-imu"))
+        board.plug_in()
+        await_value(lambda: os.path.exists("/dev/slamd-imu"))
+        states.append(await_value(lambda: show("ActiveState") == "active", PATIENCE_S if enabled == "enable" else SETTLED_S))
+    return states
+
+
 def main():
     report = {"kernel": kernel()}
     board = Board()
@@ -136,6 +151,7 @@ def main():
     board.plug_in()
     report["healthy_again"] = await_value(lambda: imu_state() == "healthy")
     report["restarts"] = show("NRestarts")
+    report["pulled_in"] = started_by_plugging_in(board)
     report["rt_check"] = run("slamd", "--config", "/etc/slamd/slamd.yaml", "--rt-check").stdout
     report["stop"] = [run("systemctl", "stop", "slamd").returncode, show("Result")]
     report["log"] = run("journalctl", "-u", "slamd", "--no-pager", "-n", "60").stdout

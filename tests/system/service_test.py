@@ -20,6 +20,8 @@ PACKAGES = os.environ["SLAMD_PACKAGES"]
 SLAM_SIM = os.environ["SLAM_SIM"]
 CAP_SYS_NICE, CAP_SYS_RESOURCE = 23, 24
 SOCKET = "/run/slamd/slamd.sock"
+with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "sandbox_probe.py"), encoding="ascii") as probe_file:
+    PROBE = probe_file.read()
 RPC = '{"jsonrpc":"2.0","id":1,"method":"get_pose_page"}\n'
 
 # What a test bench needs beyond a vehicle: ptys as serial ports.
@@ -239,6 +241,23 @@ class ServiceTest(unittest.TestCase):
         self.assertNotEqual(inside("touch", "/etc/slamd/x", "/usr/x").returncode, 0)
         self.assertEqual(inside("touch", "/var/lib/slamd/maps/x").returncode, 0)
         self.assertEqual(inside("sh", "-c", "ls /home /root").stdout.split(), ["/home:", "/root:"])
+
+    def test_what_the_unit_forbids_is_refused_and_nothing_else(self):
+        """Tried by a program of the service, and outside it: so it is the unit that refuses."""
+        self.machine.write("/probe.py", PROBE)
+        self.machine.write("/etc/systemd/system/slamd.service.d/probe.conf",
+                           "[Service]\nExecStartPre=/usr/bin/python3 -B /probe.py /var/lib/slamd/probe.json\n")
+        self.addCleanup(self.machine.call, "systemctl", "daemon-reload")
+        self.addCleanup(self.machine.call, "rm", "/etc/systemd/system/slamd.service.d/probe.conf", "/var/lib/slamd/probe.json")
+        self.machine.call("systemctl", "daemon-reload")
+        self.machine.call("systemctl", "restart", "slamd")
+        self.machine.call("install", "-d", "-o", "slamd", "/tmp/outside")
+        self.machine.call("runuser", "-u", "slamd", "--", "python3", "-B", "/probe.py", "/tmp/outside/probe.json")
+        inside, outside = (json.loads(self.machine.call("cat", f"{folder}/probe.json").stdout)
+                           for folder in ("/var/lib/slamd", "/tmp/outside"))
+        self.assertEqual([name for name, possible in outside.items() if not possible], [])
+        self.assertEqual([name for name, possible in inside.items() if possible],
+                         ["UDP", "a local socket", "a file of its state", "a temporary file"])
 
     def test_packets_from_outside_the_private_networks_do_not_reach_it(self):
         cable = self.machine.cable
