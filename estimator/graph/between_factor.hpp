@@ -5,14 +5,20 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 
 #include "estimator/graph/rotation_error.hpp"
 
 namespace slamd {
 
-/// W with W^T W = information; symmetric, positive definite.
+/// W with W^T W = information; symmetric, positive semidefinite: directions of which nothing is known weigh nothing.
 template <class Matrix>
-Matrix square_root(const Matrix& information) { return information.llt().matrixU(); }
+Matrix square_root(const Matrix& information) {
+  const Eigen::LLT<Matrix> llt{information};
+  if (llt.info() == Eigen::Success) return llt.matrixU();
+  const Eigen::SelfAdjointEigenSolver<Matrix> axes{information};
+  return axes.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * axes.eigenvectors().transpose();
+}
 
 /// Writes W * J to a solver's row-major block, the columns beyond the perturbation's zero (see manifold.hpp).
 template <int kSize, class Whitened>

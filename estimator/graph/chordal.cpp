@@ -2,6 +2,8 @@
 
 #include <Eigen/LU>
 #include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "estimator/graph/group_se2.hpp"
@@ -61,15 +63,35 @@ class Laplacian {
 
 double weight_of(const std::vector<double>& weights, std::size_t edge) { return weights.empty() ? 1.0 : weights[edge]; }
 
+/// n / tr(block^-1): as an isotropic one; 0 where nothing is known of some direction.
+template <class Block>
+double isotropic(const Block& block) {
+  const double weight = static_cast<double>(block.rows()) / block.inverse().trace();
+  return std::isfinite(weight) && weight > 0.0 ? weight : 0.0;
+}
+
+/// One an edge. What says nothing of some direction counts next to nothing rather than nothing: it may be all that there is.
+template <class Group, class Weight>
+std::vector<double> edge_weights(const PoseGraph<Group>& graph, const std::vector<double>& weights, const Weight& weight) {
+  constexpr double kNextToNothing = 1e-9;
+  std::vector<double> out;
+  for (const Edge<Group>& edge : graph.edges) out.push_back(weight(edge.information));
+  const double most = out.empty() ? 0.0 : *std::ranges::max_element(out);
+  const double least = most > 0.0 ? kNextToNothing * most : 1.0;
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = weight_of(weights, k) * (out[k] > 0.0 ? out[k] : least);
+  return out;
+}
+
 /// Rotations, transposed: R_to^T = R_from_to^T R_from^T, a linear equation in blocks of d rows.
 template <class Group>
 std::optional<Dense> solve_rotations(const PoseGraph<Group>& graph, const std::vector<double>& weights,
                                      const std::vector<std::size_t>& columns, std::size_t unknowns) {
   constexpr int d = Group::kDimension;
   Laplacian problem{unknowns, d, d};
+  const std::vector<double> edge_weight = edge_weights(graph, weights, rotation_weight<Group>);
   for (std::size_t k = 0; k < graph.edges.size(); ++k) {
     const Edge<Group>& edge = graph.edges[k];
-    const double w = weight_of(weights, k) * rotation_weight<Group>(edge.information);
+    const double w = edge_weight[k];
     const std::size_t a = columns[edge.from];
     const std::size_t b = columns[edge.to];
     const Dense wR = w * Group::rotation(edge.measured);
@@ -93,9 +115,10 @@ std::optional<Dense> solve_translations(const PoseGraph<Group>& graph, const std
                                         const std::vector<std::size_t>& columns, std::size_t unknowns) {
   Laplacian problem{unknowns, 1, Group::kDimension};
   const Dense one = Dense::Identity(1, 1);
+  const std::vector<double> edge_weight = edge_weights(graph, weights, translation_weight<Group>);
   for (std::size_t k = 0; k < graph.edges.size(); ++k) {
     const Edge<Group>& edge = graph.edges[k];
-    const double w = weight_of(weights, k) * translation_weight<Group>(edge.information);
+    const double w = edge_weight[k];
     const std::size_t a = columns[edge.from];
     const std::size_t b = columns[edge.to];
     const auto& T_from = graph.poses[edge.from];
@@ -123,15 +146,13 @@ std::optional<Dense> solve_translations(const PoseGraph<Group>& graph, const std
 template <class Group>
 double translation_weight(const typename Group::Matrix& information) {
   constexpr int d = Group::kDimension;
-  const Eigen::Matrix<double, d, d> block = information.template topLeftCorner<d, d>();
-  return d / block.inverse().trace();
+  return isotropic(Eigen::Matrix<double, d, d>{information.template topLeftCorner<d, d>()});
 }
 
 template <class Group>
 double rotation_weight(const typename Group::Matrix& information) {
   constexpr int n = Group::kDof - Group::kDimension;
-  const Eigen::Matrix<double, n, n> block = information.template bottomRightCorner<n, n>();
-  return n / block.inverse().trace();
+  return isotropic(Eigen::Matrix<double, n, n>{information.template bottomRightCorner<n, n>()});
 }
 
 template <class Group>

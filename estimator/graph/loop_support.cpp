@@ -1,5 +1,6 @@
 #include "estimator/graph/loop_support.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <optional>
 #include <unordered_map>
@@ -17,6 +18,14 @@ struct Step {
   typename Group::Matrix covariance = Group::Matrix::Zero();
 };
 
+/// Large instead of infinite where nothing is known of a direction.
+template <class Matrix>
+Matrix covariance_of(const Matrix& information) {
+  constexpr double kNextToNothing = 1e-9;
+  if (information.llt().info() == Eigen::Success) return information.inverse();
+  return (information + kNextToNothing * information.diagonal().maxCoeff() * Matrix::Identity()).inverse();
+}
+
 /// Odometry between poses that are near in the order of the drive.
 template <class Group>
 class Odometry {
@@ -25,8 +34,8 @@ class Odometry {
     for (std::size_t k = 0; k < graph.edges.size(); ++k) {
       const Edge<Group>& edge = graph.edges[k];
       if (suspect[k]) continue;
-      if (edge.to == edge.from + 1) steps_[edge.from] = Step<Group>{edge.measured, edge.information.inverse()};
-      if (edge.from == edge.to + 1) steps_[edge.to] = Step<Group>{edge.measured.inverse(), edge.information.inverse()};
+      if (edge.to == edge.from + 1) steps_[edge.from] = Step<Group>{edge.measured, covariance_of(edge.information)};
+      if (edge.from == edge.to + 1) steps_[edge.to] = Step<Group>{edge.measured.inverse(), covariance_of(edge.information)};
     }
   }
 
@@ -58,7 +67,7 @@ Loop<Group> loop_of(const PoseGraph<Group>& graph, std::size_t k) {
   const Edge<Group>& edge = graph.edges[k];
   const bool forward = edge.from < edge.to;
   return {k, std::min(edge.from, edge.to), std::max(edge.from, edge.to),
-          {forward ? edge.measured : edge.measured.inverse(), edge.information.inverse()}};
+          {forward ? edge.measured : edge.measured.inverse(), covariance_of(edge.information)}};
 }
 
 template <class Group>

@@ -87,6 +87,18 @@ TEST(G2oFile, WhatWasWrittenReadsAsTheSame) {
   }
 }
 
+TEST(G2oFile, TakesWhatOtherProgramsWrite) {
+  const auto result = read(
+      "PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1\r\n"
+      "VERTEX_SE3:QUAT 6989586621679009792 1E0 -2.e-1 +3 0 0 0 -1\r\n"  // a0 of another library
+      "EDGE_SE3:QUAT 6989586621679009792 6989586621679009793 1 2 3 0 0 0 1  1 0 0 0 0 0  1 0 0 0 0  1 0 0 0  0 0 0  0 0  0\r\n");
+  ASSERT_TRUE(std::holds_alternative<AnyGraph>(result)) << std::get<G2oFault>(result).reason;
+  const auto& g2o = std::get<G2oGraph<GroupSe3>>(std::get<AnyGraph>(result));
+  EXPECT_EQ(g2o.ids.back(), 6989586621679009793);
+  EXPECT_EQ(g2o.graph.poses[0].translation, (Eigen::Vector3d{1.0, -0.2, 3.0}));
+  EXPECT_EQ(g2o.graph.edges[0].information.trace(), 3.0);  // nothing is known of the rotation
+}
+
 TEST(G2oFile, RefusesBadLinesWithTheirNumber) {
   expect_fault("", 0, "no pose");
   expect_fault("# nothing\n", 0, "no pose");
@@ -97,12 +109,13 @@ TEST(G2oFile, RefusesBadLinesWithTheirNumber) {
   expect_fault("VERTEX_SE2 0 0 1e999 0\n", 1, "finite");
   expect_fault("VERTEX_SE2 0 0 0x 0\n", 1, "finite");
   expect_fault("VERTEX_SE2 -1 0 0 0\n", 1, "id");
-  expect_fault("VERTEX_SE2 3000000000 0 0 0\n", 1, "id");
+  expect_fault("VERTEX_SE2 9300000000000000000 0 0 0\n", 1, "id");
   expect_fault("VERTEX_SE2 1.0 0 0 0\n", 1, "id");
   expect_fault("VERTEX_SE2 0 0 0 0\n\nVERTEX_SE2 0 0 0 0\n", 3, "twice");
   expect_fault("EDGE_SE2 1 1 0 0 0 1 0 0 1 0 1\n", 1, "itself");
-  expect_fault("EDGE_SE2 1 2 0 0 0 1 0 0 1 0 0\n", 1, "positive definite");
-  expect_fault("EDGE_SE2 1 2 0 0 0 1 5 0 1 0 1\n", 1, "positive definite");
+  expect_fault("EDGE_SE2 1 2 0 0 0 1 0 0 1 0 -1\n", 1, "positive semidefinite");
+  expect_fault("EDGE_SE2 1 2 0 0 0 1 5 0 1 0 1\n", 1, "positive semidefinite");
+  expect_fault("EDGE_SE2 1 2 0 0 0 0 0 0 0 0 0\n", 1, "zero");
   expect_fault("EDGE_SE2 1 2 0 0 0 1 0 0 1 0\n", 1, "11 values");
   expect_fault("VERTEX_SE2 0 0 0 0\nVERTEX_SE3:QUAT 1 0 0 0 0 0 0 1\n", 2, "2D and 3D");
   expect_fault("FIX 9\nVERTEX_SE2 0 0 0 0\n", 1, "pose 9, which is not there");

@@ -105,6 +105,18 @@ class SlamSim(unittest.TestCase):
             self.assertNotEqual(done.returncode, 0, arguments)
             self.assertIn(token, done.stderr, arguments)
 
+    def test_the_vehicle_is_told_where_the_sensors_are_and_not_how_they_are_tilted(self):
+        with tempfile.TemporaryDirectory() as folder:
+            mount = ["--lidar-mount", "1", "2", "3", "0", "0", "90", "--imu-tilt", "1", "0", "0", "--antenna", "0", "0", "2"]
+            vehicles = []
+            for arguments in (mount, mount + ["--lidar-tilt", "0", "2", "0"]):
+                subprocess.run([PROGRAM, "--out", folder, "--no-gps"] + DRIVE + arguments, check=True)
+                with open(folder + "/vehicle.yaml", encoding="ascii") as vehicle:
+                    vehicles.append(vehicle.read())
+            self.assertIn("[1.000000, 2.000000, 3.000000]", vehicles[0])
+            self.assertIn("[0.000000000000, 0.000000000000, 0.707106781187, 0.707106781187]", vehicles[0])
+            self.assertEqual(vehicles[0], vehicles[1])
+
     def test_help_explains_scenarios_and_faults(self):
         text = subprocess.run([PROGRAM, "--help"], capture_output=True, text=True, check=True).stdout
         for word in ("two-laps", "moving-start", "clock-skew", "--imu-pty", "lidar:loss=0.02"):

@@ -3,11 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 
 #include "drivers/velodyne/vlp16_decoder.hpp"
 #include "firmware/protocol/imu_frame.hpp"
+#include "tools/slam-sim/motion/euler.hpp"
 #include "tools/slam-sim/sensors/simulation.hpp"
 
 namespace slamd::sim {
@@ -82,7 +85,7 @@ struct Corridor {
 };
 
 /// Decodes a noise-free drive along the corridor and puts every point into the world with the true pose of its firing.
-Corridor decode_corridor(LidarModel lidar) {
+Corridor decode_corridor(LidarModel lidar, const Mounting& mounting = {}) {
   DriveSpec spec;
   spec.world = WorldKind::kCorridor;
   spec.course.kind = CourseKind::kLineAndBack;
@@ -90,6 +93,7 @@ Corridor decode_corridor(LidarModel lidar) {
   spec.max_duration_s = 3.0;
   spec.lidar = lidar;
   spec.lidar.range_noise_m = 0.0;
+  spec.mounting = mounting;
   spec.with_imu = spec.with_gps = false;
   Simulation simulation{spec};
   Vlp16Decoder decoder{Vlp16Config{}};
@@ -132,6 +136,67 @@ TEST(SimWire, DualReturnPacketsAreUnderstoodToo) {
   EXPECT_GT(result.points, 200'000U);
   EXPECT_LT(result.worst_m, 0.004);
   EXPECT_EQ(result.refused, 0U);
+}
+
+TEST(SimWire, ALidarMountedElsewhereSeesTheWallsFromThere) {
+  Mounting mounting;
+  mounting.told.T_base_lidar = {from_roll_pitch_yaw({0.2, -0.1, 2.5}), {-0.5, 0.3, 1.1}};
+  EXPECT_LT(decode_corridor({}, mounting).worst_m, 0.004);
+}
+
+TEST(SimWire, ATiltThatNobodyWasToldDisplacesWhatItSees) {
+  Mounting mounting;
+  mounting.lidar_tilt_rad.y() = 0.02;
+  const Corridor result = decode_corridor({}, mounting);
+  EXPECT_GT(result.worst_m, 0.15);  // 12 m times 0.02
+  EXPECT_LT(result.worst_m, 0.30);
+}
+
+/// Every return of one revolution: azimuth in degrees, range in metres.
+std::vector<std::pair<double, double>> returns_at_rest(const LidarModel& lidar) {
+  DriveSpec spec;
+  spec.world = WorldKind::kCorridor;
+  spec.course.kind = CourseKind::kStandstill;
+  spec.max_duration_s = 0.1;
+  spec.with_imu = spec.with_gps = false;
+  spec.lidar = lidar;
+  std::vector<std::pair<double, double>> returns;
+  for (const WireEvent& event : run(spec)) {
+    if (event.channel != Channel::kLidar) continue;
+    const auto parsed = parse_vlp16(event.bytes);
+    for (std::size_t block = 0; block < 12; ++block) {
+      for (std::size_t channel = 0; channel < 32; ++channel) {
+        const double range_m = 0.002 * parsed.packet.at(block, channel).distance_2mm;
+        if (range_m > 0.0) returns.emplace_back(0.01 * parsed.packet.azimuth_cdeg[block], range_m);
+      }
+    }
+  }
+  return returns;
+}
+
+TEST(SimWire, NothingReturnsFromABlindSector) {
+  LidarModel lidar;
+  const std::size_t all = returns_at_rest(lidar).size();
+  lidar.blind_from_deg = 300.0;  // over zero
+  lidar.blind_to_deg = 60.0;
+  const auto returns = returns_at_rest(lidar);
+  EXPECT_GT(returns.size(), all / 2);
+  for (const auto& [azimuth_deg, range_m] : returns) {
+    EXPECT_GT(azimuth_deg, 59.0);  // the azimuth told is that of a block's first firing
+    EXPECT_LT(azimuth_deg, 300.0);
+  }
+}
+
+TEST(SimWire, RainReturnsItsShareOfTheFiringsFromNearby) {
+  LidarModel lidar;
+  const auto near = [](const auto& returns) {
+    return static_cast<double>(std::ranges::count_if(returns, [](const auto& r) { return r.second < 1.2; }));
+  };
+  const auto clear = returns_at_rest(lidar);
+  lidar.clutter = 0.2;
+  const auto rainy = returns_at_rest(lidar);
+  EXPECT_EQ(near(clear), 0.0);
+  EXPECT_NEAR(near(rainy) / static_cast<double>(rainy.size()), 0.2 * (1.0 - std::exp(-0.7 / 4.0)), 0.01);
 }
 
 TEST(SimWire, RangeNoiseHasTheStandardDeviationItWasGiven) {

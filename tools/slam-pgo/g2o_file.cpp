@@ -9,6 +9,8 @@
 #include <string_view>
 #include <unordered_map>
 
+#include <Eigen/Eigenvalues>
+
 #include "tools/slam-pgo/g2o_words.hpp"
 
 namespace slamd::pgo {
@@ -33,7 +35,7 @@ bool parse(std::string_view word, Number& number) {
   return error == std::errc{} && rest == word.data() + word.size();
 }
 
-bool parse_id(std::string_view word, std::int64_t& id) { return parse(word, id) && id >= 0 && id <= INT32_MAX; }
+bool parse_id(std::string_view word, std::int64_t& id) { return parse(word, id) && id >= 0; }
 
 bool parse_values(std::span<const std::string_view> words, std::span<double> values) {
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -43,7 +45,7 @@ bool parse_values(std::span<const std::string_view> words, std::span<double> val
 }
 
 using Fault = std::optional<std::string>;  // nullopt: none
-constexpr const char* kBadId = "an id is not a whole number from 0 to 2147483647";
+constexpr const char* kBadId = "an id is not a whole number from 0 to 2^63 - 1";
 constexpr const char* kBadNumber = "a value is not a finite number";
 
 /// The records of one space, as they come.
@@ -83,7 +85,7 @@ class Reader {
     for (int i = 0, k = 0; i < Group::kDof; ++i) {
       for (int j = i; j < Group::kDof; ++j) edge.information(i, j) = edge.information(j, i) = upper[static_cast<std::size_t>(k++)];
     }
-    if (!positive_definite(edge.information)) return "the information matrix is not positive definite";
+    if (!says_something(edge.information)) return "the information matrix is not positive semidefinite, or zero";
     edge.from = index(from);
     edge.to = index(to);
     edge.measured = normalised(values);
@@ -135,9 +137,12 @@ class Reader {
     return element;
   }
 
-  static bool positive_definite(const typename Group::Matrix& information) {
-    const Eigen::LLT<typename Group::Matrix> llt{information};
-    return llt.info() == Eigen::Success && llt.matrixLLT().diagonal().allFinite();
+  /// Nothing of some directions, as of a rotation that was not measured, is allowed; of all directions it is not.
+  static bool says_something(const typename Group::Matrix& information) {
+    constexpr double kRounding = 1e-9;  // of files with few digits
+    const Eigen::SelfAdjointEigenSolver<typename Group::Matrix> axes{information, Eigen::EigenvaluesOnly};
+    const double most = axes.eigenvalues().maxCoeff();
+    return std::isfinite(most) && most > 0.0 && axes.eigenvalues().minCoeff() >= -kRounding * most;
   }
 
   std::size_t index(std::int64_t id) {
@@ -160,7 +165,7 @@ class FileReader {
  public:
   Fault line(std::string_view text, std::size_t number) {
     split(text, words_);
-    if (words_.empty() || words_[0].starts_with('#')) return std::nullopt;
+    if (words_.empty() || words_[0].starts_with('#') || words_[0].starts_with("PARAMS_")) return std::nullopt;
     if (words_[0] == "FIX") return fix(number);
     if (const std::optional<Fault> taken = record<GroupSe2>()) return *taken;
     if (const std::optional<Fault> taken = record<GroupSe3>()) return *taken;

@@ -1,6 +1,7 @@
 #pragma once
 // Pose graphs in g2o's text format: VERTEX_SE2, EDGE_SE2, VERTEX_SE3:QUAT, EDGE_SE3:QUAT and FIX, one kind of space a file.
-// Other records are refused, never skipped: a graph with parts left out has another optimum.
+// Other records are refused, not skipped: a graph with parts left out has another optimum. Only PARAMS_... are left out:
+// they place sensors, and no edge between poses asks for one.
 
 #include <cstddef>
 #include <cstdint>
@@ -32,8 +33,8 @@ struct G2oFault {
 inline constexpr std::size_t kMaxPoses = 10'000'000;
 
 /// Quaternions are normalised. Refused: words that are no finite numbers, too many or too few of them, ids beyond
-/// 0..2^31-1, a pose given twice, an edge of a pose to itself, an information matrix that is not positive definite, records
-/// of other kinds or of both spaces, FIX of a pose that is not there, and a file without poses.
+/// 0..2^63-1, a pose given twice, an edge of a pose to itself, an information matrix that is not positive semidefinite or is
+/// zero, records of other kinds or of both spaces, FIX of a pose that is not there, and a file without poses.
 std::variant<AnyGraph, G2oFault> read_g2o(std::istream& in);
 
 /// Reading it gives the same numbers. The caller looks at the stream's state.

@@ -10,6 +10,7 @@
 #include "estimator/graph/chordal.hpp"
 #include "estimator/graph/gnc.hpp"
 #include "tools/slam-pgo/g2o_file.hpp"
+#include "tools/slam-pgo/loops.hpp"
 #include "tools/slam-pgo/objective.hpp"
 
 namespace {
@@ -23,14 +24,6 @@ struct Options {
   bool robust = false, quiet = false;
   int max_iterations = 100;
 };
-
-/// An edge that joins poses of consecutive ids is odometry; all others may be wrong.
-template <class Group>
-std::vector<bool> loops_of(const pgo::G2oGraph<Group>& g2o) {
-  std::vector<bool> loops;
-  for (const Edge<Group>& edge : g2o.graph.edges) loops.push_back(std::abs(g2o.ids[edge.from] - g2o.ids[edge.to]) != 1);
-  return loops;
-}
 
 template <class Group>
 void tell_objectives(const char* when, const PoseGraph<Group>& graph) {
@@ -78,7 +71,7 @@ bool start(PoseGraph<Group>& graph, const std::vector<bool>& loops, const Option
 template <class Group>
 int run(pgo::G2oGraph<Group>& g2o, const Options& options) {
   using Clock = std::chrono::steady_clock;
-  const std::vector<bool> loops = loops_of(g2o);
+  const std::vector<bool> loops = pgo::loops_of(g2o.graph);
   std::printf("graph    %zu poses, %zu edges, %td of them loops, %dD\n", g2o.graph.poses.size(), g2o.graph.edges.size(),
               std::count(loops.begin(), loops.end(), true), Group::kDimension);
   const auto begin = Clock::now();
@@ -110,10 +103,10 @@ int main(int argc, char** argv) {
   app.add_option("--out", options.out, "the solved graph, same format")->required();
   app.add_option("--objective", options.objective, "what is minimised: chi2 (the file's information) or sesync (isotropic)")
       ->check(CLI::IsMember({"chi2", "sesync"}))->capture_default_str();
-  app.add_option("--init", options.initial, "chordal (from the edges), odometry (edges of consecutive ids) or file")
+  app.add_option("--init", options.initial, "chordal (from the edges), odometry (edges between neighbours in the order of ids) or file")
       ->check(CLI::IsMember({"chordal", "odometry", "file"}))->capture_default_str();
   app.add_option("--max-iterations", options.max_iterations)->check(CLI::Range(0, 10000))->capture_default_str();
-  app.add_flag("--robust", options.robust, "edges of non-consecutive ids may be wrong: graduated non-convexity");
+  app.add_flag("--robust", options.robust, "edges that are no odometry may be wrong: graduated non-convexity");
   app.add_flag("--quiet", options.quiet, "no line for each iteration on stderr");
   try {
     app.parse(argc, argv);

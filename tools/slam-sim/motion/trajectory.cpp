@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tools/slam-sim/motion/euler.hpp"
 #include "tools/slam-sim/motion/wobble.hpp"
 
 namespace slamd::sim {
@@ -126,11 +127,6 @@ std::vector<Vector6d> sample_motion(const HeightField& ground, const Path& path,
   return samples;
 }
 
-Eigen::Quaterniond from_euler(const Vector3d& rpy) {
-  return Eigen::AngleAxisd(rpy.z(), Vector3d::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vector3d::UnitY()) *
-         Eigen::AngleAxisd(rpy.x(), Vector3d::UnitX());
-}
-
 }  // namespace
 
 Trajectory::Trajectory(const World& world, const Path& path, const TrajectoryPlan& plan) {
@@ -143,7 +139,7 @@ Trajectory::Trajectory(const World& world, const Path& path, const TrajectoryPla
 
 Pose Trajectory::pose_at(double t) const {
   const auto curve = curve_.at(t);
-  return {from_euler(curve.value.tail<3>()), curve.value.head<3>()};
+  return {from_roll_pitch_yaw(curve.value.tail<3>()), curve.value.head<3>()};
 }
 
 Motion Trajectory::at(double t) const {
@@ -151,7 +147,7 @@ Motion Trajectory::at(double t) const {
   const Vector3d angle = curve.value.tail<3>(), d = curve.first.tail<3>(), dd = curve.second.tail<3>();
   const double sr = std::sin(angle.x()), cr = std::cos(angle.x()), sp = std::sin(angle.y()), cp = std::cos(angle.y());
   Motion out;
-  out.T_world_base = {from_euler(angle), curve.value.head<3>()};
+  out.T_world_base = {from_roll_pitch_yaw(angle), curve.value.head<3>()};
   out.velocity = curve.first.head<3>();
   out.acceleration = curve.second.head<3>();
   // Body rates of R = Rz(yaw) Ry(pitch) Rx(roll): w = J(roll, pitch) * d, and its time derivative.

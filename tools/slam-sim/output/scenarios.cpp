@@ -15,7 +15,7 @@ void hills(DriveSpec& spec) {
 void rough(DriveSpec& spec) {
   spec.course.length_m = 600.0;
   spec.course.slalom_m = 1.0;
-  spec.course.speed_mps = 6.0;
+  spec.course.limits.speed_mps = 6.0;
   spec.course.wobble = {0.035, 0.045, 0.040, 0.015, 0.012, 0.10};
 }
 

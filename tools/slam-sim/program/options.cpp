@@ -2,8 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <map>
+#include <numbers>
 #include <sstream>
 
+#include "tools/slam-sim/motion/euler.hpp"
 #include "tools/slam-sim/output/scenarios.hpp"
 
 namespace slamd::sim {
@@ -61,11 +63,13 @@ void add_drive(CLI::App& app, DriveSpec& d) {
       ->check(CLI::NonNegativeNumber);
   app.add_option("--length", d.course.length_m, "end the course after this many metres (0 = all of it)")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--speed", d.course.speed_mps, "highest speed, m/s (0 = the world's limit)")
+  app.add_option("--speed", d.course.limits.speed_mps, "highest speed, m/s (0 = the world's limit)")
       ->check(CLI::Range(0.0, 30.0));
   app.add_option("--rest", d.course.rest_s, "standstill at the start, s")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  app.add_option("--stop-every", d.course.stop_every_m, "a stop after so many metres, again and again (0 = none)")
+      ->check(CLI::NonNegativeNumber);
   app.add_flag("--moving-start", d.course.moving_start, "no standstill: begin at full speed");
   app.add_option("--crowd", d.crowd, "number of moving cars and pedestrians")->check(CLI::Range(0, 500));
   app.add_option("--threads", d.threads, "0 = one per core; the bytes do not depend on it")->check(CLI::Range(0, 64));
@@ -84,6 +88,44 @@ void add_drive(CLI::App& app, DriveSpec& d) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
+void add_driving(CLI::App& app, CourseSpec& course) {
+  app.add_option("--acceleration", course.limits.acceleration_mps2, "highest, m/s^2")->check(CLI::Range(0.1, 10.0));
+  app.add_option("--braking", course.limits.braking_mps2, "hardest, m/s^2")->check(CLI::Range(0.1, 10.0));
+  app.add_option("--lateral", course.limits.lateral_mps2, "highest in bends, m/s^2")->check(CLI::Range(0.1, 10.0));
+  app.add_option("--slalom", course.slalom_m, "swerving about the path, amplitude, m")->check(CLI::Range(0.0, 3.0));
+  app.add_option("--bumps", course.wobble.bumps_per_m, "speed bumps and holes a metre of way")->check(CLI::Range(0.0, 1.0));
+  app.add_option_function<double>(
+         "--roughness",
+         [&course](double factor) {
+           for (double* part : {&course.wobble.heave_m, &course.wobble.roll_rad, &course.wobble.pitch_rad, &course.wobble.yaw_rad})
+             *part *= factor;
+         },
+         "the suspension moves so many times as much")
+      ->check(CLI::Range(0.0, 10.0));
+}
+
+/// x, y, z in metres, roll, pitch, yaw in degrees.
+Pose mounted(const std::array<double, 6>& at) {
+  constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+  return {from_roll_pitch_yaw(Eigen::Vector3d(at[3], at[4], at[5]) * kRadPerDeg), {at[0], at[1], at[2]}};
+}
+
+void add_mounting(CLI::App& app, Mounting& mounting) {
+  const auto place = [&](const char* name, Pose& pose, const char* text) {
+    app.add_option_function<std::array<double, 6>>(name, [&pose](const auto& at) { pose = mounted(at); }, text);
+  };
+  const auto tilt = [&](const char* name, Eigen::Vector3d& angles_rad, const char* text) {
+    app.add_option_function<std::array<double, 3>>(
+        name, [&angles_rad](const auto& deg) { angles_rad = Eigen::Vector3d(deg[0], deg[1], deg[2]) * (std::numbers::pi / 180.0); }, text);
+  };
+  place("--lidar-mount", mounting.told.T_base_lidar, "T_base_lidar: x y z (m) roll pitch yaw (degrees)");
+  place("--imu-mount", mounting.told.T_base_imu, "T_base_imu, likewise");
+  app.add_option_function<std::array<double, 3>>(
+      "--antenna", [&mounting](const auto& at) { mounting.told.p_base_antenna = Eigen::Vector3d(at.data()); }, "p_base_antenna: x y z (m)");
+  tilt("--lidar-tilt", mounting.lidar_tilt_rad, "roll pitch yaw (degrees) that vehicle.yaml does not know of");
+  tilt("--imu-tilt", mounting.imu_tilt_rad, "likewise of the IMU");
+}
+
 void add_lidar(CLI::App& app, DriveSpec& d) {
   app.add_flag_callback(
       "--no-lidar", [&d] { d.with_lidar = false; }, "switched off");
@@ -97,6 +139,15 @@ void add_lidar(CLI::App& app, DriveSpec& d) {
   app.add_option("--laser-bias", d.lidar.laser_bias_m, "constant range error of each laser, standard deviation, m")
       ->check(CLI::Range(0.0, 1.0));
   app.add_flag("--mixed-pixels", d.lidar.mixed_pixels, "beams have a width and split at edges");
+  app.add_option("--reach", d.lidar.reach, "in proportion to a clean sensor's in clear air")->check(CLI::Range(0.05, 2.0));
+  app.add_option("--clutter", d.lidar.clutter, "share of firings that rain or dust returns")->check(CLI::Range(0.0, 1.0));
+  app.add_option_function<std::array<double, 2>>(
+      "--blind",
+      [&d](const auto& sector) {
+        d.lidar.blind_from_deg = sector[0];
+        d.lidar.blind_to_deg = sector[1];
+      },
+      "no returns between these azimuths, degrees clockwise from the front, 0..360");
   app.add_option("--lidar-skew", d.lidar.clock_skew_ppm, "of its clock, ppm")->capture_default_str();
   app.add_flag("--lidar-pps", d.lidar.pps_locked, "its clock follows UTC; position packets carry $GPRMC");
 }
@@ -117,6 +168,11 @@ void add_imu(CLI::App& app, DriveSpec& d) {
   app.add_option("--accel-bias", d.imu.accel_bias_mg, "turn-on, standard deviation, mg")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  app.add_option("--gyro-walk", d.imu.gyro_walk_mdps_rts, "of its bias, mdps/rts")->check(CLI::NonNegativeNumber);
+  app.add_option("--accel-walk", d.imu.accel_walk_ug_rts, "of its bias, ug/rts")->check(CLI::NonNegativeNumber);
+  app.add_option("--gyro-scale", d.imu.gyro_scale_percent, "error of scale, standard deviation, percent")
+      ->check(CLI::Range(0.0, 20.0));
+  app.add_option("--engine", d.imu.engine_mps2, "shaking of an engine that runs, at rest too, m/s^2")->check(CLI::Range(0.0, 20.0));
   app.add_option("--imu-skew", d.imu.clock_skew_ppm, "of its clock, ppm")->capture_default_str();
   app.add_option("--gravity", d.imu.gravity_mps2, "m/s^2")->check(CLI::Range(9.0, 10.5))->capture_default_str();
   app.add_flag("--ideal-imu", d.imu.ideal, "no noise and no bias (still quantised)");
@@ -154,6 +210,7 @@ void add_gps(CLI::App& app, DriveSpec& d) {
   app.add_option("--gps-white", d.gps.white_m, "horizontal error of each fix by itself, standard deviation, m")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  app.add_option("--gps-hdop", d.gps.hdop, "that it claims, whatever its error")->check(CLI::Range(0.5, 50.0))->capture_default_str();
   app.add_option("--gps-latency", d.gps.latency_s, "s")->check(CLI::Range(0.0, 5.0))->capture_default_str();
   app.add_option("--gps-sentences", d.gps.sentences, "of GGA RMC GSA GST VTG ZDA, separated by commas")
       ->check(known_sentences)
@@ -203,6 +260,8 @@ Parsed parse_command_line(int argc, char** argv) {
   app.footer(scenario_help());
   add_scenario(app, o);
   grouped(app, "Drive", [&] { add_drive(app, o.drive); });
+  grouped(app, "Driving", [&] { add_driving(app, o.drive.course); });
+  grouped(app, "Mounting", [&] { add_mounting(app, o.drive.mounting); });
   grouped(app, "LiDAR (VLP-16)", [&] { add_lidar(app, o.drive); });
   grouped(app, "IMU (LSM6DSOX)", [&] { add_imu(app, o.drive); });
   grouped(app, "GPS", [&] { add_gps(app, o.drive); });

@@ -51,7 +51,7 @@ NmeaFix GpsSensor::fix_at(double t) {
   fix.geoid_separation_m = model_.geoid_separation_m;
   fix.speed_mps = velocity.head<2>().norm();
   fix.course_deg = std::fmod(std::atan2(velocity.x(), velocity.y()) * 180.0 / std::numbers::pi + 360.0, 360.0);
-  fix.hdop = std::clamp(0.9 + 0.05 * rng_.normal(), 0.6, 1.2);
+  fix.hdop = model_.hdop + std::clamp(0.05 * rng_.normal(), -0.3, 0.3);
   fix.sigma_horizontal_m = std::hypot(model_.correlated_m, model_.white_m) * 1.2;
   fix.sigma_vertical_m = 1.8 * fix.sigma_horizontal_m;
   return fix;

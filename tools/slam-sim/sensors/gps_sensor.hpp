@@ -21,6 +21,7 @@ struct GpsModel {
   double correlation_s = 60.0;
   double white_m = 0.25;
   double latency_s = 0.120;
+  double hdop = 0.9;  // as it claims, whatever its errors
   std::string sentences = "GGA,RMC,GSA,GST";
 };
 

@@ -35,6 +35,14 @@ Quantised quantise(const Vector3d& value, double unit) {
   return out;
 }
 
+/// Four cylinders at 800 revolutions per minute; each axis in a phase of its own.
+Vector3d engine_shaking(double t) {
+  constexpr double kEngineHz = 26.67;
+  const Vector3d phase(2 * std::numbers::pi * kEngineHz * t + 1.0, 2 * std::numbers::pi * kEngineHz * t + 3.0,
+                       2 * std::numbers::pi * kEngineHz * t + 5.0);
+  return phase.array().sin();
+}
+
 }  // namespace
 
 Inertial inertial_at(const Motion& motion, const Pose& T_base_imu, double gravity_mps2) {
@@ -56,6 +64,7 @@ ImuSensor::ImuSensor(const ImuModel& model, const Trajectory& trajectory, const 
   Rng unit{seed, Stream::kImuUnit};
   gyro_bias_ = normal3(unit) * (model.gyro_bias_dps * 1e3 * kRadPerMdps);
   accel_bias_ = normal3(unit) * (model.accel_bias_mg * kMps2PerMg);
+  gyro_scale_ = Vector3d::Ones() + normal3(unit) * (model.gyro_scale_percent * 0.01);
 }
 
 Inertial ImuSensor::low_passed(double t) const {
@@ -69,12 +78,16 @@ Inertial ImuSensor::low_passed(double t) const {
   return mean;
 }
 
-Inertial ImuSensor::with_errors(Inertial truth) {
+Inertial ImuSensor::with_errors(Inertial truth, double t) {
   if (model_.ideal) return truth;
   const double root_rate = std::sqrt(0.5 * model_.rate_hz);  // density times the root of the noise bandwidth
   const double root_period = std::sqrt(1.0 / model_.rate_hz);
   gyro_bias_ += normal3(rng_) * (model_.gyro_walk_mdps_rts * kRadPerMdps * root_period);
   accel_bias_ += normal3(rng_) * (model_.accel_walk_ug_rts * 1e-3 * kMps2PerMg * root_period);
+  constexpr double kTurnPerShaking = 0.01;  // rad/s per m/s^2
+  const Vector3d shaking = model_.engine_mps2 * engine_shaking(t);
+  truth.rate_rads = truth.rate_rads.cwiseProduct(gyro_scale_) + kTurnPerShaking * shaking;
+  truth.specific_force_mps2 += shaking;
   truth.rate_rads += gyro_bias_ + normal3(rng_) * (model_.gyro_noise_mdps_rthz * kRadPerMdps * root_rate);
   truth.specific_force_mps2 +=
       accel_bias_ + normal3(rng_) * (model_.accel_noise_ug_rthz * 1e-3 * kMps2PerMg * root_rate);
@@ -84,7 +97,7 @@ Inertial ImuSensor::with_errors(Inertial truth) {
 std::optional<WireEvent> ImuSensor::next(double until) {
   const double t = static_cast<double>(count_) / (model_.rate_hz * clock_.rate());
   if (t >= until || t > trajectory_.duration()) return std::nullopt;
-  const Inertial sensed = with_errors(low_passed(t));
+  const Inertial sensed = with_errors(low_passed(t), t);
   const Quantised gyro = quantise(sensed.rate_rads, kImuGyroMdpsPerLsb * kRadPerMdps);
   const Quantised accel = quantise(sensed.specific_force_mps2, kImuAccelMgPerLsb * kMps2PerMg);
   ImuFrame frame;

@@ -24,7 +24,9 @@ struct ImuModel {
   double latency_min_s = 0.0003;     // read-out and USB
   double latency_jitter_s = 0.0017;  // uniform, on top
   double gravity_mps2 = 9.80665;
-  bool ideal = false;  // no noise, no bias
+  double gyro_scale_percent = 0.0;  // error of scale, standard deviation per axis
+  double engine_mps2 = 0.0;         // amplitude of an idling engine's shaking, each axis
+  bool ideal = false;               // no noise, no bias
 };
 
 /// In the IMU's axes at its own place.
@@ -46,14 +48,14 @@ class ImuSensor {
 
  private:
   Inertial low_passed(double t) const;
-  Inertial with_errors(Inertial truth);
+  Inertial with_errors(Inertial truth, double t);
 
   ImuModel model_;
   const Trajectory& trajectory_;
   Pose T_base_imu_;
   SensorClock clock_;
   Rng rng_;
-  Eigen::Vector3d gyro_bias_, accel_bias_;
+  Eigen::Vector3d gyro_bias_, accel_bias_, gyro_scale_;
   std::int64_t count_ = 0;
 };
 

@@ -25,10 +25,15 @@ void store(std::vector<std::uint8_t>& bytes, std::size_t at, std::uint32_t value
 
 /// Probability that the receiver sees the echo: power falls with the square of range and with reflectivity and
 /// incidence. Rough surfaces return more than Lambert's law at grazing angles, hence the root of the cosine.
-double detection(double range, double reflectivity, double cosine) {
-  const double reach = 100.0 * std::sqrt(reflectivity * std::sqrt(cosine) / 0.2);
+double detection(double range, double reflectivity, double cosine, double share) {
+  const double reach = share * 100.0 * std::sqrt(reflectivity * std::sqrt(cosine) / 0.2);
   const double fade = 1.0 / (1.0 + std::exp((range - reach) / (0.06 * reach + 0.1)));
   return range > 100.0 ? fade * std::exp(-(range - 100.0) / 12.0) : fade;
+}
+
+/// A drop of rain in the beam at that range, unless something nearer stops the beam.
+Hit before(const Hit& hit, double range) {
+  return hit.range < range ? hit : Hit{range, Eigen::Vector3d::UnitZ(), Material{0.3F, 0.1F}};
 }
 
 }  // namespace
@@ -56,13 +61,21 @@ Hit LidarSensor::cast(const Ray& ray, double t, const std::vector<MovingBody>& m
   return hit;
 }
 
+/// Sectors may reach over zero.
+bool LidarSensor::blind(double azimuth_rad) const {
+  if (model_.blind_from_deg == model_.blind_to_deg) return false;
+  const double deg = azimuth_rad / kDeg;
+  const bool after = deg >= model_.blind_from_deg, before = deg < model_.blind_to_deg;
+  return model_.blind_from_deg < model_.blind_to_deg ? after && before : after || before;
+}
+
 LidarSensor::Return LidarSensor::sense(const Hit& hit, const Ray& ray, int laser, Rng& rng) const {
   const double seen = rng.uniform(), noise = rng.normal(), sparkle = rng.normal();
   if (!hit || hit.range < kMinRange) return {};
   const bool porous = hit.material.porous_depth_m > 0.0F;
   const double cosine = porous ? 0.6 : std::clamp(std::abs(hit.normal.dot(ray.direction)), 1e-3, 1.0);
   const double reflectivity = static_cast<double>(hit.material.reflectivity);
-  if (seen > detection(hit.range, reflectivity, cosine)) return {};
+  if (seen > detection(hit.range, reflectivity, cosine, model_.reach)) return {};
   const double footprint =
       std::min(0.08, 0.13 * model_.divergence_rad * hit.range * std::sqrt(1 - cosine * cosine) / cosine);
   const double sigma = model_.range_noise_m > 0.0 ? std::hypot(model_.range_noise_m, footprint) : 0.0;
@@ -93,6 +106,7 @@ LidarSensor::Echoes LidarSensor::split(const Hit& centre, const Hit& side, const
 
 LidarSensor::Echoes LidarSensor::fire(const Aim& aim, const std::vector<MovingBody>& movers, double movers_time,
                                       Rng& rng) const {
+  if (blind(aim.azimuth_rad)) return {};
   const auto laser = static_cast<std::size_t>(aim.laser);
   const Pose T_world_lidar = around_.trajectory.pose_at(aim.t) * around_.geometry.T_base_lidar;
   const auto direction = [&](double azimuth) {
@@ -103,7 +117,8 @@ LidarSensor::Echoes LidarSensor::fire(const Aim& aim, const std::vector<MovingBo
   const Vector3d origin = T_world_lidar * Vector3d(0.0, 0.0, kOffsetMm[laser] * 1e-3);
   Ray ray{origin, T_world_lidar.rotation * direction(aim.azimuth_rad), kMaxRange};
   ray.porosity_draw = rng.exponential();
-  const Hit centre = cast(ray, aim.t, movers, movers_time);
+  Hit centre = cast(ray, aim.t, movers, movers_time);
+  if (model_.clutter > 0.0 && rng.chance(model_.clutter)) centre = before(centre, 0.5 + 4.0 * rng.exponential());
   if (!model_.mixed_pixels) {
     const Return only = sense(centre, ray, aim.laser, rng);
     return {only, only};

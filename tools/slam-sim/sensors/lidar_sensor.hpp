@@ -18,6 +18,9 @@ struct LidarModel {
   double laser_bias_m = 0.0;      // standard deviation of a constant range error of each laser
   double divergence_rad = 0.003;  // full angle of a beam
   bool mixed_pixels = false;      // beams split at edges: blended ranges and, in dual mode, both returns
+  double reach = 1.0;         // of the receiver, in proportion to its own: dirt on the window, fog
+  double clutter = 0.0;       // share of firings that rain or dust returns from within some metres
+  double blind_from_deg = 0.0, blind_to_deg = 0.0;  // azimuths without any return, clockwise from the LiDAR's front
   double clock_skew_ppm = 12.0;
   bool pps_locked = false;  // stamps are UTC past the hour; position packets carry $GPRMC
   double latency_min_s = 0.00003;
@@ -57,6 +60,7 @@ class LidarSensor {
     int laser;
   };
   bool dual() const { return model_.mode == ReturnMode::kDual; }
+  bool blind(double azimuth_rad) const;
   Hit cast(const Ray& ray, double t, const std::vector<MovingBody>& movers, double movers_time) const;
   Return sense(const Hit& hit, const Ray& ray, int laser, Rng& rng) const;
   Echoes fire(const Aim& aim, const std::vector<MovingBody>& movers, double movers_time, Rng& rng) const;

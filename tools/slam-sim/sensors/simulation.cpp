@@ -44,7 +44,8 @@ TrajectoryPlan plan_of(const DriveSpec& spec, const World& world, const Path& pa
   plan.seed = spec.seed;
   plan.wobble = course.wobble;
   plan.slalom_m = course.slalom_m;
-  plan.speed.limits.speed_mps = course.speed_mps > 0.0 ? course.speed_mps : world.speed_limit_mps;
+  plan.speed.limits = course.limits;
+  if (course.limits.speed_mps <= 0.0) plan.speed.limits.speed_mps = world.speed_limit_mps;
   plan.speed.rest_at_start_s = course.moving_start ? 0.0 : course.rest_s;
   plan.speed.speed_at_start_mps = course.moving_start ? plan.speed.limits.speed_mps : 0.0;
   const double length = course.length_m > 0.0 ? std::min(course.length_m, path.length()) : path.length();
@@ -91,16 +92,6 @@ void in_parallel(int threads, std::size_t count, const Job& job) {
 
 }  // namespace
 
-VehicleGeometry reference_vehicle() {
-  VehicleGeometry vehicle;
-  vehicle.T_base_lidar = {Eigen::Quaterniond(0.995396198367, 0.0, 0.095845752520, 0.0).normalized(),
-                          {0.45, 0.02, 1.86}};
-  vehicle.T_base_imu = {Eigen::Quaterniond(0.699404695268, 0.019093388559, 0.003285447570, 0.714463239491).normalized(),
-                        {0.12, -0.08, 1.52}};
-  vehicle.p_base_antenna = {-0.60, 0.35, 1.74};
-  return vehicle;
-}
-
 struct Simulation::Parts {
   explicit Parts(const DriveSpec& wanted)
       : spec{wanted},
@@ -108,7 +99,7 @@ struct Simulation::Parts {
         path{path_of(world, wanted.course)},
         trajectory{world, path, plan_of(wanted, world, path)},
         traffic{world, trajectory, path, wanted.crowd, wanted.seed},
-        vehicle{reference_vehicle()},
+        vehicle{wanted.mounting.actual()},
         lidar{wanted.lidar, {world, traffic, trajectory, vehicle}, lidar_clock(wanted), wanted.seed},
         position{wanted.lidar, wanted.gps, trajectory, lidar_clock(wanted), wanted.seed},
         imu{wanted.imu, trajectory, vehicle.T_base_imu, imu_clock(wanted), wanted.seed},
@@ -223,7 +214,7 @@ const World& Simulation::world() const {
   return parts_->world;
 }
 const VehicleGeometry& Simulation::vehicle() const {
-  return parts_->vehicle;
+  return parts_->spec.mounting.told;
 }
 
 }  // namespace slamd::sim

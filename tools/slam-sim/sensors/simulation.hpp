@@ -9,6 +9,7 @@
 #include "tools/slam-sim/sensors/gps_sensor.hpp"
 #include "tools/slam-sim/sensors/imu_sensor.hpp"
 #include "tools/slam-sim/sensors/lidar_sensor.hpp"
+#include "tools/slam-sim/sensors/mounting.hpp"
 
 namespace slamd::sim {
 
@@ -18,7 +19,7 @@ struct CourseSpec {
   CourseKind kind = CourseKind::kLoop;
   int laps = 1;            // so many times the course, where it is closed
   bool moving_start = false;
-  double speed_mps = 0.0;  // 0 = the world's limit
+  SpeedLimits limits{.speed_mps = 0.0};  // 0 = the world's limit
   double rest_s = 2.0;     // at the start
   double length_m = 0.0;   // 0 = the whole course; else it ends there
   double slalom_m = 0.0;
@@ -38,10 +39,8 @@ struct DriveSpec {
   ImuModel imu;
   GpsModel gps;
   std::vector<Fault> faults;
+  Mounting mounting;
 };
-
-/// Mounting of the reference vehicle.
-VehicleGeometry reference_vehicle();
 
 class Simulation {
  public:
@@ -58,6 +57,7 @@ class Simulation {
   double duration() const;
   const Trajectory& trajectory() const;
   const World& world() const;
+  /// As the vehicle's configuration says it.
   const VehicleGeometry& vehicle() const;
 
  private:

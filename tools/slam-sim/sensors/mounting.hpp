@@ -1,0 +1,20 @@
+#pragma once
+// Where the sensors sit on the vehicle, and how far that is from what the vehicle's configuration says. No sensor lives here.
+
+#include "estimator/types/pose.hpp"
+
+namespace slamd::sim {
+
+/// Mounting of the reference vehicle.
+VehicleGeometry reference_vehicle();
+
+struct Mounting {
+  VehicleGeometry told = reference_vehicle();                   // what vehicle.yaml says
+  Eigen::Vector3d lidar_tilt_rad = Eigen::Vector3d::Zero();  // roll, pitch, yaw in the sensor's own frame: what nobody was told
+  Eigen::Vector3d imu_tilt_rad = Eigen::Vector3d::Zero();
+
+  /// Where the sensors are.
+  VehicleGeometry actual() const;
+};
+
+}  // namespace slamd::sim
