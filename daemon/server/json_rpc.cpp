@@ -63,4 +63,14 @@ std::string notification_line(const char* method, json params) {
   return line_of({{"jsonrpc", "2.0"}, {"method", method}, {"params", std::move(params)}});
 }
 
+std::string notification_line_of(const char* method, std::string_view params_text) {
+  std::string line = R"({"jsonrpc":"2.0","method":")";
+  line.reserve(line.size() + params_text.size() + 64);
+  line += method;
+  line += R"(","params":)";
+  line += params_text;
+  line += "}\n";
+  return line;
+}
+
 }  // namespace slamd

@@ -34,5 +34,7 @@ std::variant<RpcRequest, RpcFault> parse_request(std::string_view line);
 std::string result_line(const nlohmann::json& id, nlohmann::json result);
 std::string error_line(const nlohmann::json& id, const RpcError& error);
 std::string notification_line(const char* method, nlohmann::json params);
+/// params_text  JSON already
+std::string notification_line_of(const char* method, std::string_view params_text);
 
 }  // namespace slamd

@@ -128,7 +128,7 @@ Methods::Handled Methods::pose(Params& params) const {
   if (auto fault = params.fault()) return *std::move(fault);
   const std::optional<PoseSample> sample = sources_.pose.newest();
   if (!sample) return RpcError{error::kNotYet, "no pose yet"};
-  return Reply{pose_json(*sample), {}};
+  return Reply{json::parse(pose_text(*sample)), {}};
 }
 
 Methods::Handled Methods::subscribe(Params& params, Subscriptions& subscriptions) const {

@@ -52,10 +52,6 @@ class SignalsBlocked {
   sigset_t before_{};
 };
 
-Outbox::Line shared_line(const char* topic, nlohmann::json params) {
-  return std::make_shared<std::string>(notification_line(topic, std::move(params)));
-}
-
 }  // namespace
 
 class Server::Impl {
@@ -212,7 +208,7 @@ void Server::Impl::publish_pose(const PoseSample& sample) {
   Outbox::Line line;  // made once, when the first subscriber wants it
   for (const std::shared_ptr<Session>& session : sessions_) {
     if (!session->subscriptions().pose.pass(time)) continue;
-    if (!line) line = shared_line(protocol::notification::kPose, pose_json(sample));
+    if (!line) line = std::make_shared<std::string>(notification_line_of(protocol::notification::kPose, pose_text(sample)));
     session->notify(line);
   }
   const std::pair status{sample.status, sample.reasons};
@@ -243,7 +239,7 @@ void Server::Impl::publish_status(HostTime now) {
   Outbox::Line line;
   for (const std::shared_ptr<Session>& session : sessions_) {
     if (!session->subscriptions().status.pass(now)) continue;
-    if (!line) line = shared_line(protocol::notification::kStatus, methods_.status());
+    if (!line) line = std::make_shared<std::string>(notification_line(protocol::notification::kStatus, methods_.status()));
     session->notify(line);
   }
 }
