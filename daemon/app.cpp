@@ -21,6 +21,8 @@ std::string utc_name() {
   return {text.data(), size};
 }
 
+constexpr double kFastest_mps = 100.0;  // that a vehicle is believed to have gone
+
 /// What an earlier run had learnt of the sensors, as the configuration of this one: so it is in a recording as well, and replays.
 Config with_what_was_learnt(Config config, const Result<StoredMap>& left) {
   if (!left || left->keyframes.empty()) return config;
@@ -33,7 +35,20 @@ Config with_what_was_learnt(Config config, const Result<StoredMap>& left) {
   if (config.odometry.fusion.registration.update.estimate_extrinsic) {
     config.vehicle.T_base_lidar = config.vehicle.T_base_imu * sensors.T_imu_lidar;
   }
+  if (left->motion && left->motion->velocity_mps.norm() < kFastest_mps) {
+    const Eigen::Vector3d up = left->T_map_base.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+    start.known_motion = {to_seconds(left->motion->time.time_since_epoch()), left->motion->velocity_mps, up};
+  }
   return config;
+}
+
+/// A motion whose time is of another clock says nothing: the host has been started anew since, or its UTC was set.
+Result<StoredMap> by_this_clock(Result<StoredMap> left) {
+  constexpr Duration kSameClock = std::chrono::seconds{1};
+  if (!left || !left->motion || std::chrono::abs(left->motion->host_to_utc - host_to_utc()) < kSameClock) return left;
+  StoredMap map = std::move(left).value();
+  map.motion.reset();
+  return map;
 }
 
 }  // namespace
@@ -48,7 +63,7 @@ Result<std::unique_ptr<App>> App::open(const Config& config, const std::string& 
   if (!lidar) return Error{lidar.reason()};
 
   const std::string checkpoint = config.checkpoint.path();
-  Result<StoredMap> left = checkpoint.empty() ? StoredMap{} : load_checkpoint(checkpoint, config.vehicle);
+  Result<StoredMap> left = checkpoint.empty() ? StoredMap{} : by_this_clock(load_checkpoint(checkpoint, config.vehicle));
   const Config running = with_what_was_learnt(config, left);
   Result<std::unique_ptr<Recorder>> recorder = Recorder::open(record_folder, print_config(running), config.flight_recorder);
   if (!recorder) return Error{recorder.reason()};

@@ -154,7 +154,7 @@ Fields checkpoint_fields(CheckpointConfig& c) {
   return {
       {"checkpoint.folder", &c.folder, "", kAnyText,
        "where the map is kept over a restart; empty = systemd's state directory, without systemd it is not kept"},
-      {"checkpoint.period_s", &c.period, "s", {1, 3600}, "between two of them, while the map grows"},
+      {"checkpoint.period_s", &c.period, "s", {1, 3600}, "between two that are written whole, while the map grows; its keyframes are added as they come"},
       {"checkpoint.byte_budget", &c.byte_budget, "B", {1 << 16, 1 << 28},
        "of the newest keyframes' points; older ones are not kept over a restart"},
   };

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <bit>
 #include <boost/crc.hpp>
 #include <cerrno>
@@ -19,7 +20,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::string_view kMagic = "SLAMDMAP";
-constexpr std::size_t kHeadBytes = kMagic.size() + 2 * sizeof(std::uint32_t);
+constexpr std::size_t kHeadBytes = kMagic.size() + 3 * sizeof(std::uint32_t);
 constexpr double kUnit = 1e-6;  // that a quaternion's norm may be off
 
 std::uint32_t crc_of(std::span<const std::uint8_t> bytes) {
@@ -148,6 +149,22 @@ StoredSensors read_sensors(Reader& in) {
   return sensors;
 }
 
+void write(Writer& out, const StoredMotion& motion) {
+  out.number(to_ns(motion.time));
+  out.number(motion.host_to_utc.count());
+  out.numbers({motion.velocity_mps.data(), 3});
+  out.numbers({motion.angular_velocity_rads.data(), 3});
+}
+
+StoredMotion read_motion(Reader& in) {
+  StoredMotion motion;
+  motion.time = from_ns<HostTime>(in.number<std::int64_t>());
+  motion.host_to_utc = Duration{in.number<std::int64_t>()};
+  in.numbers({motion.velocity_mps.data(), 3});
+  in.numbers({motion.angular_velocity_rads.data(), 3});
+  return motion;
+}
+
 void write(Writer& out, const StoredClosure& closure) {
   out.number(closure.from);
   out.number(closure.to);
@@ -168,6 +185,7 @@ Result<StoredMap> read_map(Reader& in) {
   StoredMap map;
   map.T_map_base = in.pose();
   map.sensors = read_sensors(in);
+  if (in.number<std::uint32_t>() != 0) map.motion = read_motion(in);
   map.enu_valid = in.number<std::uint32_t>() != 0;
   if (map.enu_valid) map.enu = read_enu(in);
   const auto count = in.number<std::uint32_t>();
@@ -186,41 +204,87 @@ Result<StoredMap> read_map(Reader& in) {
   return map;
 }
 
+/// Whether a whole and sound one was there, and now is in the map.
+bool read_step(Reader& in, StoredMap& map) {
+  const auto size = in.number<std::uint32_t>();
+  const auto crc = in.number<std::uint32_t>();
+  const std::span<const std::uint8_t> bytes = in.raw(size);
+  if (!in.good() || crc != crc_of(bytes)) return false;
+  Reader step{bytes};
+  StoredKeyframe keyframe = read_keyframe(step);
+  const StoredMotion motion = read_motion(step);
+  const StoredSensors sensors = read_sensors(step);
+  if (!step.at_end() || map.keyframes.empty() || keyframe.time <= map.keyframes.back().time) return false;
+  keyframe.T_map_base = map.keyframes.back().T_map_base * keyframe.T_map_base;
+  keyframe.T_map_base.rotation.normalize();
+  if (!keyframe.T_map_base.translation.allFinite() || !keyframe.T_map_base.rotation.coeffs().allFinite()) return false;
+  map.T_map_base = keyframe.T_map_base;
+  map.motion = motion;
+  map.sensors = sensors;
+  map.keyframes.push_back(std::move(keyframe));
+  return true;
+}
+
+/// Its size and checksum into the bytes before the last `size`.
+void seal(std::vector<std::uint8_t>& bytes, std::size_t size) {
+  const std::array<std::uint32_t, 2> seal{static_cast<std::uint32_t>(size), crc_of(std::span{bytes}.last(size))};
+  std::memcpy(bytes.data() + bytes.size() - size - sizeof seal, seal.data(), sizeof seal);
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> encode(const StoredMap& map, const VehicleGeometry& vehicle) {
   Writer out;
   out.raw({reinterpret_cast<const std::uint8_t*>(kMagic.data()), kMagic.size()});
   out.number(kCheckpointVersion);
-  out.number(std::uint32_t{0});  // CRC-32, below
+  out.number(std::uint64_t{0});  // sealed below
   write(out, vehicle);
   out.pose(map.T_map_base);
   write(out, map.sensors);
+  out.number(static_cast<std::uint32_t>(map.motion ? 1 : 0));
+  if (map.motion) write(out, *map.motion);
   out.number(static_cast<std::uint32_t>(map.enu_valid ? 1 : 0));
   if (map.enu_valid) write(out, map.enu);
   out.number(static_cast<std::uint32_t>(map.keyframes.size()));
   for (const StoredKeyframe& keyframe : map.keyframes) write(out, keyframe);
   out.number(static_cast<std::uint32_t>(map.closures.size()));
   for (const StoredClosure& closure : map.closures) write(out, closure);
-  const std::uint32_t crc = crc_of(std::span{out.bytes()}.subspan(kHeadBytes));
-  std::memcpy(out.bytes().data() + kHeadBytes - sizeof crc, &crc, sizeof crc);
+  seal(out.bytes(), out.bytes().size() - kHeadBytes);
+  return std::move(out.bytes());
+}
+
+std::vector<std::uint8_t> encode(const StoredStep& step) {
+  Writer out;
+  out.number(std::uint64_t{0});  // sealed below
+  write(out, StoredKeyframe{step.time, step.T_before_this, step.relative_covariance, step.cloud});
+  write(out, step.motion);
+  write(out, step.sensors);
+  seal(out.bytes(), out.bytes().size() - sizeof(std::uint64_t));
   return std::move(out.bytes());
 }
 
 Result<StoredMap> decode(std::span<const std::uint8_t> bytes, const VehicleGeometry& vehicle) {
-  Reader in{bytes};
-  const std::span<const std::uint8_t> magic = in.raw(kMagic.size());
+  Reader file{bytes};
+  const std::span<const std::uint8_t> magic = file.raw(kMagic.size());
   if (!std::equal(magic.begin(), magic.end(), kMagic.begin(), kMagic.end())) return Error{"this is no checkpoint"};
-  if (in.number<std::uint32_t>() != kCheckpointVersion) return Error{"the checkpoint is of another version"};
-  const auto crc = in.number<std::uint32_t>();
-  if (!in.good() || crc != crc_of(bytes.subspan(kHeadBytes))) return Error{"the checkpoint is damaged or torn"};
+  if (file.number<std::uint32_t>() != kCheckpointVersion) return Error{"the checkpoint is of another version"};
+  const auto size = file.number<std::uint32_t>();
+  const auto crc = file.number<std::uint32_t>();
+  const std::span<const std::uint8_t> content = file.raw(size);
+  if (!file.good() || crc != crc_of(content)) return Error{"the checkpoint is damaged or torn"};
+  Reader in{content};
   Writer own;
   write(own, vehicle);
   const std::span<const std::uint8_t> stored = in.raw(own.bytes().size());
   if (!std::equal(stored.begin(), stored.end(), own.bytes().begin(), own.bytes().end())) {
     return Error{"the checkpoint is of another vehicle, or the sensors have been moved"};
   }
-  return read_map(in);
+  Result<StoredMap> whole = read_map(in);
+  if (!whole) return whole;
+  StoredMap map = std::move(whole).value();
+  while (read_step(file, map)) {
+  }
+  return map;
 }
 
 Result<std::vector<std::uint8_t>> read_checkpoint(const std::string& path) {
@@ -244,6 +308,18 @@ Result<StoredMap> load_checkpoint(const std::string& path, const VehicleGeometry
   if (!bytes) return Error{bytes.reason()};
   if (bytes->empty()) return StoredMap{};
   return decode(*bytes, vehicle);
+}
+
+Result<void> append_to_checkpoint(std::span<const std::uint8_t> bytes, const std::string& path) {
+  const UniqueFd file{::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | O_NOFOLLOW)};
+  if (!file) return Error{"the checkpoint cannot be added to"};
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t put = ::write(file.get(), bytes.data() + done, bytes.size() - done);
+    if (put < 0 && errno == EINTR) continue;
+    if (put <= 0) return Error{"the checkpoint cannot be added to"};
+    done += static_cast<std::size_t>(put);
+  }
+  return {};
 }
 
 Result<void> write_checkpoint(std::span<const std::uint8_t> bytes, const std::string& path) {

@@ -21,7 +21,7 @@ void MappingThread::run(const std::stop_token& stop) {
     pause_for(kPollPeriod);
   }
   drain();
-  if (checkpoints_ != nullptr && back_end_.link().known) {
+  if (checkpoints_ != nullptr && checkpoints_->is_on() && back_end_.link().known) {
     checkpoints_->offer(back_end_.mapper().stored(checkpoints_->byte_budget()), host_now());
   }
 }
@@ -38,7 +38,10 @@ void MappingThread::drain() {
 
 void MappingThread::take(const Keyframe& keyframe) {
   const Relocaliser::Entered entered = back_end_.add(keyframe);
-  if (entered.map_began_anew) map_.clear();
+  if (entered.map_began_anew) {
+    map_.clear();
+    kept_keyframes_ = 0;
+  }
   for (const Keyframe& placed : entered.keyframes) map_.add(placed, back_end_.mapper().solution()->T_map_odom);
   tell_link();
 }
@@ -82,9 +85,14 @@ void MappingThread::restore(StoredMap map, const CloudGrid& grid) {
 /// Of a map that has grown, and whose place is known: one that is being looked for must not be written over.
 void MappingThread::make_checkpoint() {
   const HostTime now = host_now();
-  const std::size_t keyframes = back_end_.mapper().keyframes().size();
-  if (checkpoints_ == nullptr || keyframes == kept_keyframes_ || !back_end_.link().known || !checkpoints_->is_due(now)) return;
-  checkpoints_->offer(back_end_.mapper().stored(checkpoints_->byte_budget()), now);
+  const Mapper& mapper = back_end_.mapper();
+  const std::size_t keyframes = mapper.keyframes().size();
+  if (checkpoints_ == nullptr || !checkpoints_->is_on() || keyframes == kept_keyframes_ || !back_end_.link().known) return;
+  if (kept_keyframes_ == 0 || checkpoints_->is_due(now)) {
+    checkpoints_->offer(mapper.stored(checkpoints_->byte_budget()), now);
+  } else {
+    for (std::size_t i = kept_keyframes_; i < keyframes; ++i) checkpoints_->offer(mapper.stored_step(i));
+  }
   kept_keyframes_ = keyframes;
 }
 

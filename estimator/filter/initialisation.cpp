@@ -8,6 +8,10 @@ namespace {
 
 constexpr double kMostForceError_mps2 = 1.0;  // at rest: LSM6DSOX offset and scale, all axes
 constexpr double kLeastForce_mps2 = 3.0;      // less is no vehicle on the ground but a sensor that is stuck or falls
+constexpr double kMotionLasts_s = 3.0;        // seen by an earlier run
+constexpr double kSeenVelocity_mps = 0.5;     // sigma of its velocity, to begin with,
+constexpr double kBrakes_mps2 = 2.0;          // growing by as much
+constexpr double kSeenUp_mps2 = 0.5;          // of gravity: a road that tilts by 0.05 rad
 constexpr double kTinyVariance = 1e-10;  // of pose: the first pose defines odom
 
 double squared(double x) { return x * x; }
@@ -120,11 +124,33 @@ InitialState Initialisation::state(HostTime time, const Pose& T_base_imu, const 
   if (out.at_rest) state.accel_bias += force - kGravity_mps2 * force.normalized();
   couple_gravity(state, config_.accel_bias_mps2,
                  out.at_rest ? config_.rest_accel_noise_mps2 : config_.moving_accel_noise_mps2, out.filter.covariance);
+  const std::optional<double> age_s = motion_age_s(time);
+  if (!out.at_rest && age_s) go_on(*age_s, T_base_imu, out);
   if (with_extrinsic) {
     set_variance(out.filter.covariance, I::kExtrinsicRotation, 3, config_.extrinsic_rotation_rad);
     set_variance(out.filter.covariance, I::kExtrinsicTranslation, 3, config_.extrinsic_translation_m);
   }
   return out;
+}
+
+std::optional<double> Initialisation::motion_age_s(HostTime time) const {
+  const KnownMotion& seen = config_.known_motion;
+  const double age_s = to_seconds(time.time_since_epoch()) - seen.at_s;
+  const bool known = seen.at_s > 0.0 && seen.up.norm() > 0.5;
+  return known && age_s >= 0.0 && age_s < kMotionLasts_s ? std::optional{age_s} : std::nullopt;
+}
+
+/// Up from where it was: what the accelerometer tells of it while the vehicle brakes or turns is worse.
+void Initialisation::go_on(double age_s, const Pose& T_base_imu, InitialState& out) const {
+  const KnownMotion& seen = config_.known_motion;
+  InertialState& state = out.filter.state;
+  const Pose T_odom_imu = level_pose(T_base_imu.rotation.conjugate() * seen.up, T_base_imu);
+  state.R_odom_imu = T_odom_imu.rotation;
+  state.p_odom_imu = T_odom_imu.translation;
+  state.v_odom_imu = T_odom_imu.rotation * T_base_imu.rotation.conjugate() * seen.velocity_mps;
+  out.filter.covariance = first_covariance(kSeenVelocity_mps + kBrakes_mps2 * age_s, config_.rest_gyro_bias_rads);
+  couple_gravity(state, config_.accel_bias_mps2, kSeenUp_mps2, out.filter.covariance);
+  out.motion_known = true;
 }
 
 InitialState initial_state_without_imu(HostTime time, const InitialisationConfig& config, const Pose& T_base_imu,

@@ -2,6 +2,7 @@
 // The filter's first state from the moments of IMU data before it, at rest or moving. No map, no scan.
 
 #include <array>
+#include <optional>
 
 #include "estimator/filter/inertial_state.hpp"
 #include "estimator/types/imu_sample.hpp"
@@ -9,6 +10,13 @@
 namespace slamd {
 
 inline constexpr double kMostKnownBias = 1.0;  // rad/s and m/s^2, an axis: beyond it the sensor is broken
+
+/// How the vehicle moved when an earlier run saw it last.
+struct KnownMotion {
+  double at_s = 0.0;                                       // host clock; 0: nothing is known
+  Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();  // of base, in base
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();           // unit, against gravity, in base
+};
 
 struct InitialisationConfig {
   double rest_s = 0.8;                       // of stillness make a start at rest
@@ -27,6 +35,7 @@ struct InitialisationConfig {
   // Biases as they are known before the start, imu frame: calibrated, or left by an earlier run. As unsure as said above.
   Eigen::Vector3d known_gyro_bias_rads = Eigen::Vector3d::Zero();
   Eigen::Vector3d known_accel_bias_mps2 = Eigen::Vector3d::Zero();
+  KnownMotion known_motion;                  // for a start while moving, some seconds after
   double extrinsic_rotation_rad = 0.01;      // used when the extrinsic is estimated
   double extrinsic_translation_m = 0.03;
 };
@@ -35,6 +44,7 @@ struct InitialState {
   FilterSnapshot filter;   // base at the origin of odom, odom's z up, yaw zero
   bool at_rest = false;
   bool with_imu = true;
+  bool motion_known = false;  // velocity and up are those of an earlier run, carried on
 };
 
 /// Watches the newest rest_s of samples and says when they suffice: what happened before does not matter.
@@ -49,7 +59,7 @@ class Initialisation {
   /// too small to tell where down is. Cost: one pass over the window, as for the next two.
   bool is_ready() const;
   bool is_still() const;
-  /// The state at `time`: gravity from the mean specific force, gyro bias from the mean rate when at rest. Accelerometer
+  /// The state at `time`: gravity from the mean specific force, or moving as it is known, gyro bias from the mean rate when at rest. Accelerometer
   /// bias and gravity direction are correlated as the measurement demands. Not on an empty window.
   InitialState state(HostTime time, const Pose& T_base_imu, const Pose& T_imu_lidar, bool with_extrinsic) const;
 
@@ -69,6 +79,9 @@ class Initialisation {
   Duration length() const { return reading(count_ - 1).time - reading(0).time; }
   Moments moments(Eigen::Vector3d Reading::*value) const;
   bool is_still(const Moments& gyro, const Moments& accel) const;
+  /// Seconds since the motion of an earlier run was seen; none: too long ago to say anything now.
+  std::optional<double> motion_age_s(HostTime time) const;
+  void go_on(double age_s, const Pose& T_base_imu, InitialState& out) const;
 
   InitialisationConfig config_;
   std::array<Reading, kCapacity> window_;

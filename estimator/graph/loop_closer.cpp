@@ -17,7 +17,6 @@ constexpr double kDoubtfulWeight = 0.1;
 constexpr std::uint32_t kDoubtsToRetract = 2;
 constexpr std::size_t kPreselected = 12;
 constexpr std::size_t kLooksTried = 3;      // places verified in one attempt to recognise one
-constexpr PlanarWindow kRecognitionWindow{.distance_m = 8.0, .yaw_rad = 0.5};
 
 /// The larger of the two horizontal sigmas.
 double horizontal_sigma_m(const Matrix6d& covariance) {
@@ -217,7 +216,7 @@ LoopCloser::Candidate LoopCloser::candidate(const GraphView& view, std::size_t f
 }
 
 std::optional<Recognition> LoopCloser::recognise(const GraphView& view, const PieceView& piece,
-                                                 const std::optional<Pose>& T_map_guess) {
+                                                 const std::optional<PlaceBelief>& belief) {
   const std::size_t newest = piece.odometry.size() - 1;
   const Submap here = piece.clouds.submap(piece.odometry, newest, config_.keyframes_behind, 0);
   const auto check = [&](std::size_t place, const PlaceGuess& guess) -> std::optional<Recognition> {
@@ -227,13 +226,13 @@ std::optional<Recognition> LoopCloser::recognise(const GraphView& view, const Pi
     if (found.ended_at != LoopStage::kAccepted) return std::nullopt;
     const RelativePose T_place_newest =
         RelativePose{there.T_level_base.inverse()} * found.T_target_source * RelativePose{here.T_level_base};
-    return Recognition{place, newest, T_place_newest, !T_map_guess};
+    return Recognition{place, newest, T_place_newest, !belief};
   };
-  if (T_map_guess) {
-    const std::optional<std::size_t> nearest = nearest_place(view, T_map_guess->translation);
+  if (belief) {
+    const std::optional<std::size_t> nearest = nearest_place(view, *belief);
     if (!nearest) return std::nullopt;
-    const Pose T_place_guess = level(view.keyframes[*nearest].T_map_base).inverse() * level(*T_map_guess);
-    return check(*nearest, {.T_target_source = planar(T_place_guess), .window = kRecognitionWindow});
+    const Pose T_place_guess = level(view.keyframes[*nearest].T_map_base).inverse() * level(belief->T_map_base);
+    return check(*nearest, {.T_target_source = planar(T_place_guess), .window = belief->window});
   }
   describe_restored(view);
   const std::vector<PlaceMatch> matches = ranked_places(describe(here), [](std::size_t) { return true; });
@@ -244,12 +243,12 @@ std::optional<Recognition> LoopCloser::recognise(const GraphView& view, const Pi
   return std::nullopt;
 }
 
-/// The keyframe nearest to p_map, if it is near.
-std::optional<std::size_t> LoopCloser::nearest_place(const GraphView& view, const Eigen::Vector3d& p_map) const {
+/// The keyframe nearest to where it is believed to be, if it may be there.
+std::optional<std::size_t> LoopCloser::nearest_place(const GraphView& view, const PlaceBelief& belief) const {
   std::optional<std::size_t> nearest;
-  double nearest_m = kRecognitionWindow.distance_m;
+  double nearest_m = belief.window.distance_m;
   for (std::size_t i = clouds_.forgotten(); i < std::min(clouds_.size(), view.keyframes.size()); ++i) {
-    const double distance_m = (view.keyframes[i].T_map_base.translation - p_map).norm();
+    const double distance_m = (view.keyframes[i].T_map_base.translation - belief.T_map_base.translation).norm();
     if (distance_m >= nearest_m) continue;
     nearest = i;
     nearest_m = distance_m;

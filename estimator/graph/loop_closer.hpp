@@ -25,7 +25,7 @@ class LoopCloser final : public LoopSource {
   void weigh(std::span<const double> weights) override;
   std::span<const LoopCandidateReport> reports() const override { return reports_; }
   std::optional<Recognition> recognise(const GraphView& view, const PieceView& piece,
-                                       const std::optional<Pose>& T_map_guess) override;
+                                       const std::optional<PlaceBelief>& belief) override;
   std::size_t forgotten() const override { return clouds_.forgotten(); }
   std::size_t bytes() const override;
 
@@ -54,7 +54,7 @@ class LoopCloser final : public LoopSource {
   void append(const Keyframe& keyframe);
   void describe_restored(const GraphView& view);
   void describe_place(const GraphView& view, std::size_t keyframe);
-  std::optional<std::size_t> nearest_place(const GraphView& view, const Eigen::Vector3d& p_map) const;
+  std::optional<std::size_t> nearest_place(const GraphView& view, const PlaceBelief& belief) const;
   void look_from(const GraphView& view, std::size_t to);
   template <class Eligible>
   std::vector<PlaceMatch> ranked_places(const PlaceDescriptor& here, Eligible&& eligible) const;

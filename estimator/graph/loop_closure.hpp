@@ -91,11 +91,11 @@ class LoopSource {
   /// After each solve: robust weight of each of closures(), in their order, 0 = contradicted by the rest, 1 = fits. The
   /// source decides what to retract; it is gone from closures() after the next update().
   virtual void weigh(std::span<const double> weights) = 0;
-  /// Where in the map the newest keyframe of `piece` is: near T_map_guess when that is given, else by looks among all places.
+  /// Where in the map the newest keyframe of `piece` is: where it is believed to be when that is given, else by looks among all places.
   /// Verified as closures are, but not against any odometry. None: nothing fits, or more than one place does.
   virtual std::optional<Recognition> recognise(const GraphView& view, const PieceView& piece,
-                                               const std::optional<Pose>& T_map_guess) {
-    static_cast<void>(view), static_cast<void>(piece), static_cast<void>(T_map_guess);
+                                               const std::optional<PlaceBelief>& belief) {
+    static_cast<void>(view), static_cast<void>(piece), static_cast<void>(belief);
     return std::nullopt;
   }
   /// So many of the oldest keyframes no loop can be closed with any more.

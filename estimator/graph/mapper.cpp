@@ -42,7 +42,11 @@ void Mapper::keep(const Keyframe& keyframe) {
   odometry_.add(keyframe.state.T_odom_base, keyframe.relative_covariance);
   keyframes_.push_back({keyframe.state.time, keyframe.state.T_odom_base, graph_.poses().back()});
   if (positions_) positions_->add(keyframe);
-  sensors_ = {keyframe.state.gyro_bias_rads, keyframe.state.accel_bias_mps2, keyframe.state.T_imu_lidar};
+  const NavState& state = keyframe.state;
+  sensors_ = {state.gyro_bias_rads, state.accel_bias_mps2, state.T_imu_lidar};
+  motion_.time = state.time;
+  motion_.velocity_mps = state.T_odom_base.rotation.conjugate() * state.velocity_mps;
+  motion_.angular_velocity_rads = state.angular_velocity_rads;
 }
 
 StoredMap Mapper::stored(std::size_t byte_budget) const {
@@ -60,12 +64,27 @@ StoredMap Mapper::stored(std::size_t byte_budget) const {
   }
   map.closures = stored_closures(first);
   map.T_map_base = keyframes_.back().T_map_base;
+  map.motion = motion_;
   map.sensors = sensors_;
   if (const std::optional<StoredEnu> enu = stored_enu()) {
     map.enu_valid = true;
     map.enu = *enu;
   }
   return map;
+}
+
+StoredStep Mapper::stored_step(std::size_t keyframe) const {
+  StoredStep step;
+  step.time = keyframes_[keyframe].time;
+  step.T_before_this = odometry_.relative(keyframe - 1, keyframe);
+  step.relative_covariance = odometry_.relative_covariance(keyframe - 1, keyframe);
+  if (loops_) {
+    const std::span<const std::uint8_t> cloud = loops_->packed(keyframe);
+    step.cloud.assign(cloud.begin(), cloud.end());
+  }
+  step.motion = motion_;
+  step.sensors = sensors_;
+  return step;
 }
 
 /// Those between keyframes from `first` on.

@@ -36,6 +36,8 @@ class Mapper {
 
   /// The newest keyframes, of as many as their points take `byte_budget`, for a later run; none without a search for loops.
   StoredMap stored(std::size_t byte_budget) const;
+  /// One keyframe that has come since, not the first.
+  StoredStep stored_step(std::size_t keyframe) const;
   /// Begins with the keyframes of an earlier run instead of none: where they were left, as sure of it as the odometry and the closures
   /// of then. Their stamps are moved to end before `now`. Only on an empty mapper.
   void restore(StoredMap map, HostTime now);
@@ -55,8 +57,8 @@ class Mapper {
 
   GraphView view() const { return {keyframes_, odometry_}; }
   /// As LoopSource::recognise in this map; none without a search for loops.
-  std::optional<Recognition> recognise(const PieceView& piece, const std::optional<Pose>& T_map_guess) {
-    return loops_ && !keyframes_.empty() ? loops_->recognise(view(), piece, T_map_guess) : std::nullopt;
+  std::optional<Recognition> recognise(const PieceView& piece, const std::optional<PlaceBelief>& belief) {
+    return loops_ && !keyframes_.empty() ? loops_->recognise(view(), piece, belief) : std::nullopt;
   }
 
   /// Every candidate of the search for loops so far; empty without one.
@@ -92,6 +94,7 @@ class Mapper {
   OdometryChain odometry_;
   std::vector<KeyframeEstimate> keyframes_;
   StoredSensors sensors_;  // as the newest keyframe has them
+  StoredMotion motion_;    // likewise
   std::optional<EnuAlignment> enu_;  // as the newest solve left it
   std::optional<StoredEnu> restored_enu_;  // told until there is a newer one
   std::shared_ptr<const GraphSolution> solution_ = std::make_shared<GraphSolution>();

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "estimator/graph/bird_view.hpp"
 #include "estimator/graph/keyframe_clouds.hpp"
 #include "estimator/graph/odometry_chain.hpp"
 #include "estimator/graph/relative_pose.hpp"
@@ -15,6 +16,12 @@ namespace slamd {
 struct PieceView {
   const OdometryChain& odometry;
   const KeyframeClouds& clouds;
+};
+
+/// Where the newest keyframe of a piece is believed to be, and how far it may be from there, horizontally and in heading.
+struct PlaceBelief {
+  Pose T_map_base;
+  PlanarWindow window{.distance_m = 8.0, .yaw_rad = 0.5};
 };
 
 /// The newest keyframe of a piece, found again by registration.

@@ -11,7 +11,28 @@ namespace {
 
 constexpr double kPatienceAfterRestart_m = 50.0;
 constexpr double kStanding_mps = 0.3;
+constexpr double kLongestCarried_s = 6.0;
+constexpr double kPathShare = 0.5;      // of the way since, that it may be beside it
 constexpr std::size_t kGuessTries = 3;  // keyframes of a piece that are looked for where they are believed to be
+
+/// Where a vehicle is now that moved so when it was last seen there, and moves as `now` says: half the time the one way, half the
+/// other. It may have braked, gone on or turned in between. Long after, it is as good as where it was.
+PlaceBelief carried(const PlaceBelief& left, const StoredMotion& motion, const NavState& now) {
+  const double away_s = to_seconds(now.time - motion.time);
+  if (away_s < 0.0 || away_s > kLongestCarried_s) return left;
+  const Eigen::Vector3d velocity_mps = now.T_odom_base.rotation.conjugate() * now.velocity_mps;
+  const auto moved = [half_s = 0.5 * away_s](const Eigen::Vector3d& v, const Eigen::Vector3d& turn_rads) {
+    return Pose{exp_so3(half_s * turn_rads), half_s * v};
+  };
+  const Pose first = moved(motion.velocity_mps, motion.angular_velocity_rads);
+  const Pose second = moved(velocity_mps, now.angular_velocity_rads);
+  const double path_m = first.translation.norm() + second.translation.norm();
+  const double turned_rad = log_so3(first.rotation).norm() + log_so3(second.rotation).norm();
+  PlaceBelief here{left.T_map_base * first * second, left.window};
+  here.window.distance_m += kPathShare * path_m;
+  here.window.yaw_rad += turned_rad;
+  return here;
+}
 
 }  // namespace
 
@@ -46,7 +67,8 @@ Relocaliser::Entered Relocaliser::add(const Keyframe& keyframe) {
 
 void Relocaliser::restore(StoredMap map, HostTime now) {
   if (map.keyframes.empty()) return;
-  T_map_guess_ = map.T_map_base;
+  belief_ = PlaceBelief{map.T_map_base};
+  motion_ = map.motion;
   mapper_.restore(std::move(map), now);
   links_.clear();
   known_ = false;
@@ -72,12 +94,13 @@ void Relocaliser::begin_piece(std::uint32_t odom_piece) {
   if (known_) {
     links_ = {{odom_piece, {}}};
   } else {
-    if (!restored_) T_map_guess_ = mapper_.keyframes().back().T_map_base;
+    if (!restored_) belief_ = PlaceBelief{mapper_.keyframes().back().T_map_base};
   }
 }
 
 void Relocaliser::wait(const Keyframe& keyframe) {
   const Pose& T_odom_base = keyframe.state.T_odom_base;
+  if (piece_.size() == 0 && restored_ && motion_) belief_ = carried(*belief_, *motion_, keyframe.state);
   if (piece_.size() > 0) {
     driven_m_ += (T_odom_base.translation - piece_.T_odom_base(piece_.size() - 1).translation).norm();
   }
@@ -91,9 +114,9 @@ void Relocaliser::wait(const Keyframe& keyframe) {
 /// different places: what looks alike once may be another place.
 std::optional<Relocaliser::Found> Relocaliser::look() {
   const std::size_t newest = piece_.size() - 1;
-  if (T_map_guess_ && newest < kGuessTries) {
-    const Pose T_map_base = *T_map_guess_ * piece_.relative(0, newest);
-    if (const auto near = mapper_.recognise({piece_, clouds_}, T_map_base)) return found(*near);
+  if (belief_ && newest < kGuessTries) {
+    const PlaceBelief here{belief_->T_map_base * piece_.relative(0, newest), belief_->window};
+    if (const auto near = mapper_.recognise({piece_, clouds_}, here)) return found(*near);
   }
   if (newest % config_.look_every != 0) return std::nullopt;
   const std::optional<Recognition> alike = mapper_.recognise({piece_, clouds_}, std::nullopt);

@@ -35,7 +35,8 @@ class Relocaliser {
   /// p_base_lidar  where the rays begin, base frame, metres
   Relocaliser(const RelocaliserConfig& config, MakeMapper make_mapper, const Eigen::Vector3d& p_base_lidar);
 
-  /// Begins with the map of an earlier run, in which the vehicle is looked for first where it was left. When nothing of the map
+  /// Begins with the map of an earlier run, in which the vehicle is looked for first where it was left, or, when the map says how it
+  /// moved (by the host clock of the keyframes), where that has brought it. When nothing of the map
   /// fits what the first keyframe sees, a new map begins. Before the first add(). now  host time
   void restore(StoredMap map, HostTime now);
 
@@ -86,7 +87,8 @@ class Relocaliser {
   std::uint32_t odom_piece_ = 0;
   bool known_ = true;
   bool restored_ = false;                // the map is of an earlier run, and nothing of this one is in it yet
-  std::optional<Pose> T_map_guess_;      // of the piece's first keyframe
+  std::optional<PlaceBelief> belief_;    // of the piece's first keyframe
+  std::optional<StoredMotion> motion_;   // of the earlier run, where it was left
   OdometryChain piece_;
   KeyframeClouds clouds_;
   double driven_m_ = 0.0;

@@ -18,6 +18,7 @@ void set_sigma(ErrorCovariance& p, int row, double sigma) {
 void VelocitySearch::begin(const InitialState& initial) {
   initial_ = initial.filter;
   settles_ = initial.with_imu;
+  motion_known_ = initial.motion_known;
   is_on_ = true;
   unknown_ = config_.scans;
   rounds_ = 0;
@@ -47,7 +48,8 @@ void VelocitySearch::keep_velocity(const UpdateSummary& update, FilterSnapshot& 
   filter.state.accel_bias = initial_.state.accel_bias;
   filter.state.gravity = initial_.state.gravity;
   filter.covariance = initial_.covariance;
-  const double found = config_.found_sigma_mps * config_.found_sigma_mps;
+  const double sigma_mps = motion_known_ ? config_.round_sigma_mps : config_.found_sigma_mps;
+  const double found = sigma_mps * sigma_mps;
   auto velocity = filter.covariance.block<3, 3>(I::kVelocity, I::kVelocity);
   const double unknown = velocity.diagonal().maxCoeff();
   if (update.free_translations > 1) return;
@@ -67,7 +69,7 @@ void VelocitySearch::count(const UpdateSummary& update) {
 /// the same question, and neither the filter's own opinion of itself.
 bool VelocitySearch::has_settled() const {
   const double late = config_.round_scans - config_.round_scans / 2;
-  return rounds_ >= config_.least_rounds && round_.corrected_mps.norm() < config_.settled_mps &&
+  return (motion_known_ || rounds_ >= config_.least_rounds) && round_.corrected_mps.norm() < config_.settled_mps &&
          round_.late_test_ratio < config_.settled_test_ratio * late;
 }
 

@@ -24,7 +24,7 @@ class VelocitySearch {
  public:
   explicit VelocitySearch(const VelocitySearchConfig& config) : config_{config} {}
 
-  /// Begins with the first state of a moving vehicle. Without an IMU nothing settles: no bias and no gravity are learnt.
+  /// Begins with the first state of a moving vehicle; one whose motion is known needs one round only. Without an IMU nothing settles: no bias and no gravity are learnt.
   void begin(const InitialState& initial);
   void end() { is_on_ = false; }
 
@@ -55,6 +55,7 @@ class VelocitySearch {
   VelocitySearchConfig config_;
   FilterSnapshot initial_;
   bool settles_ = false;
+  bool motion_known_ = false;
   bool is_on_ = false;
   std::uint32_t unknown_ = 0;   // scans that are left until a velocity is known
   std::uint32_t rounds_ = 0;    // that have ended

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "estimator/types/pose.hpp"
@@ -43,13 +44,32 @@ struct StoredSensors {
   Pose T_imu_lidar;
 };
 
+/// How the vehicle moved when the map was left.
+struct StoredMotion {
+  HostTime time;
+  Duration host_to_utc{};                                           // UTC less the host's clock, as it was then
+  Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();           // of base, in base
+  Eigen::Vector3d angular_velocity_rads = Eigen::Vector3d::Zero();  // likewise
+};
+
 struct StoredMap {
   std::vector<StoredKeyframe> keyframes;  // in order of time
   std::vector<StoredClosure> closures;    // between them
   Pose T_map_base;                        // where the vehicle was
+  std::optional<StoredMotion> motion;     // and how it moved
   StoredSensors sensors;
   bool enu_valid = false;                 // false: enu says nothing
   StoredEnu enu;
+};
+
+/// What a stored map has gained since: one keyframe, tied to the one before it by odometry.
+struct StoredStep {
+  HostTime time;
+  Pose T_before_this;
+  Matrix6d relative_covariance = Matrix6d::Zero();
+  std::vector<std::uint8_t> cloud;
+  StoredMotion motion;
+  StoredSensors sensors;
 };
 
 }  // namespace slamd

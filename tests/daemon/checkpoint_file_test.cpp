@@ -25,10 +25,27 @@ StoredMap some_map() {
   map.closures = {{.from = 0, .to = 4, .T_from_to = {Eigen::Quaterniond::Identity(), {6.0, 0.0, 0.0}}, .covariance = 1e-3 * Matrix6d::Identity()}};
   map.T_map_base.translation = {6.5, 0.3, -1.0};
   map.sensors = {.gyro_bias_rads = {1e-3, 2e-3, 3e-3}, .accel_bias_mps2 = {0.1, 0.2, 0.3}, .T_imu_lidar = {Eigen::Quaterniond::Identity(), {0.3, 0.0, 0.4}}};
+  map.motion = StoredMotion{.time = HostTime{std::chrono::seconds{15}}, .host_to_utc = std::chrono::hours{5}, .velocity_mps = {8.0, 0.1, 0.0}, .angular_velocity_rads = {0.0, 0.0, 0.2}};
   map.enu_valid = true;
   map.enu = StoredEnu{.yaw_rad = 0.7, .translation = {100.0, 200.0, 3.0}, .covariance = {}, .latitude_deg = 50.0,
                       .longitude_deg = 8.5, .ellipsoid_height_m = 160.0};
   return map;
+}
+
+/// The i-th after some_map().
+StoredStep some_step(int i) {
+  StoredStep step;
+  step.time = HostTime{std::chrono::seconds{20 + i}};
+  step.T_before_this = {Eigen::Quaterniond{Eigen::AngleAxisd{0.5, Eigen::Vector3d::UnitZ()}}, {1.5, 0.0, 0.0}};
+  step.relative_covariance = 1e-5 * Matrix6d::Identity();
+  step.cloud.assign(100, static_cast<std::uint8_t>(i));
+  step.motion = {.time = step.time, .host_to_utc = std::chrono::hours{5}, .velocity_mps = {7.0 + i, 0.0, 0.0}, .angular_velocity_rads = Eigen::Vector3d::Zero()};
+  step.sensors.gyro_bias_rads = {0.001 * i, 0.0, 0.0};
+  return step;
+}
+
+void append(std::vector<std::uint8_t>& bytes, const std::vector<std::uint8_t>& more) {
+  bytes.insert(bytes.end(), more.begin(), more.end());
 }
 
 VehicleGeometry some_vehicle() { return {.T_base_lidar = {Eigen::Quaterniond::Identity(), {0.4, 0.0, 1.9}}, .T_base_imu = {}, .p_base_antenna = Eigen::Vector3d::Zero()}; }
@@ -54,6 +71,11 @@ TEST(CheckpointFile, WhatWasStoredComesBackToTheBit) {
   EXPECT_EQ(back->sensors.accel_bias_mps2, map.sensors.accel_bias_mps2);
   EXPECT_EQ(back->sensors.T_imu_lidar.translation, map.sensors.T_imu_lidar.translation);
   EXPECT_EQ(back->T_map_base.translation, map.T_map_base.translation);
+  ASSERT_TRUE(back->motion);
+  EXPECT_EQ(back->motion->time, map.motion->time);
+  EXPECT_EQ(back->motion->host_to_utc, map.motion->host_to_utc);
+  EXPECT_EQ(back->motion->velocity_mps, map.motion->velocity_mps);
+  EXPECT_EQ(back->motion->angular_velocity_rads, map.motion->angular_velocity_rads);
   ASSERT_TRUE(back->enu_valid);
   EXPECT_EQ(back->enu.yaw_rad, 0.7);
   EXPECT_EQ(back->enu.latitude_deg, 50.0);
@@ -67,9 +89,53 @@ TEST(CheckpointFile, AnyByteChangedOrMissingIsRefused) {
     EXPECT_FALSE(decode(bad, some_vehicle())) << "byte " << i;
     EXPECT_FALSE(decode(std::span{good}.first(i), some_vehicle())) << "cut to " << i;
   }
-  std::vector<std::uint8_t> longer = good;
-  longer.push_back(0);
-  EXPECT_FALSE(decode(longer, some_vehicle()));
+}
+
+TEST(CheckpointFile, StepsGoOnFromTheMapsLastKeyframe) {
+  std::vector<std::uint8_t> bytes = encode(some_map(), some_vehicle());
+  for (int i = 0; i < 3; ++i) append(bytes, encode(some_step(i)));
+  const Result<StoredMap> back = decode(bytes, some_vehicle());
+  ASSERT_TRUE(back) << back.reason();
+  ASSERT_EQ(back->keyframes.size(), 8U);
+  Pose T_map_base = some_map().keyframes.back().T_map_base;
+  for (int i = 0; i < 3; ++i) {
+    const StoredKeyframe& keyframe = back->keyframes[5 + static_cast<std::size_t>(i)];
+    T_map_base = T_map_base * some_step(i).T_before_this;
+    EXPECT_EQ(keyframe.time, some_step(i).time);
+    EXPECT_LT((keyframe.T_map_base.translation - T_map_base.translation).norm(), 1e-12);
+    EXPECT_LT(keyframe.T_map_base.rotation.angularDistance(T_map_base.rotation), 1e-12);
+    EXPECT_EQ(keyframe.relative_covariance, some_step(i).relative_covariance);
+    EXPECT_EQ(keyframe.cloud, some_step(i).cloud);
+  }
+  EXPECT_EQ(back->T_map_base.translation, back->keyframes.back().T_map_base.translation);
+  ASSERT_TRUE(back->motion);
+  EXPECT_EQ(back->motion->velocity_mps.x(), 9.0);
+  EXPECT_EQ(back->sensors.gyro_bias_rads.x(), 0.002);
+}
+
+TEST(CheckpointFile, AStepThatIsTornOrDamagedIsTheLast) {
+  const std::vector<std::uint8_t> whole = encode(some_map(), some_vehicle());
+  std::vector<std::uint8_t> good = whole;
+  for (int i = 0; i < 3; ++i) append(good, encode(some_step(i)));
+  const std::size_t step = encode(some_step(0)).size();
+  for (std::size_t i = whole.size(); i < good.size(); i += 7) {
+    std::vector<std::uint8_t> bad = good;
+    bad[i] ^= 0x10U;
+    const std::span<const std::uint8_t> damaged{bad}, torn{good.data(), i};
+    for (const std::span<const std::uint8_t> bytes : {damaged, torn}) {
+      const Result<StoredMap> back = decode(bytes, some_vehicle());
+      ASSERT_TRUE(back) << back.reason();
+      EXPECT_EQ(back->keyframes.size(), 5U + (i - whole.size()) / step) << "byte " << i;
+    }
+  }
+}
+
+TEST(CheckpointFile, AStepThatIsOlderThanTheMapIsTheLast) {
+  std::vector<std::uint8_t> bytes = encode(some_map(), some_vehicle());
+  append(bytes, encode(some_step(1)));
+  append(bytes, encode(some_step(0)));
+  append(bytes, encode(some_step(2)));
+  EXPECT_EQ(decode(bytes, some_vehicle())->keyframes.size(), 6U);
 }
 
 TEST(CheckpointFile, AnotherVehicleOrVersionIsRefusedWithItsReason) {
@@ -124,6 +190,16 @@ TEST_F(CheckpointOnDisk, IsWrittenWholeAndReadableByOwnerAndGroupOnly) {
   ASSERT_TRUE(back);
   EXPECT_EQ(*back, bytes);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator{folder_}, {}), 1) << "nothing temporary is left";
+}
+
+TEST_F(CheckpointOnDisk, IsAddedToAtItsEnd) {
+  EXPECT_FALSE(append_to_checkpoint(encode(some_step(0)), path_)) << "there is none";
+  ASSERT_TRUE(write_checkpoint(encode(some_map(), some_vehicle()), path_));
+  ASSERT_TRUE(append_to_checkpoint(encode(some_step(0)), path_));
+  ASSERT_TRUE(append_to_checkpoint(encode(some_step(1)), path_));
+  EXPECT_EQ(load_checkpoint(path_, some_vehicle())->keyframes.size(), 7U);
+  ASSERT_TRUE(write_checkpoint(encode(some_map(), some_vehicle()), path_));
+  EXPECT_EQ(load_checkpoint(path_, some_vehicle())->keyframes.size(), 5U) << "a whole one takes the place of all";
 }
 
 TEST_F(CheckpointOnDisk, NoneIsNoError) {

@@ -105,6 +105,39 @@ TEST(Initialisation, ABiasThatIsKnownAlreadyDoesNotTiltTheStart) {
   EXPECT_LT((state_of(known).filter.state.accel_bias - imu.accel_bias).norm(), 0.005);
 }
 
+TEST(Initialisation, AMotionSeenAMomentAgoGoesOnAndOneOfLongAgoDoesNot) {
+  Random random{7};
+  RestingImu imu;
+  imu.accel_sigma = 1.0;  // a vehicle that moves
+  const Eigen::Vector3d velocity_mps{7.5, 0.1, 0.2};
+  const Eigen::Vector3d up = exp_so3({0.04, -0.08, 0.0}) * Eigen::Vector3d::UnitZ();
+  const auto start = [&](double seen_at_s) {
+    InitialisationConfig config;
+    config.known_motion = {seen_at_s, velocity_mps, up};
+    Initialisation initialisation{config};
+    feed(initialisation, imu, 100, random);
+    return state_of(initialisation);
+  };
+  const InitialState soon = start(0.4);  // the state is asked for at 1 s
+  ASSERT_FALSE(soon.at_rest);
+  EXPECT_TRUE(soon.motion_known);
+  const InertialState& state = soon.filter.state;
+  const Eigen::Quaterniond R_odom_base = state.R_odom_imu * kBaseImu.rotation.conjugate();
+  EXPECT_LT((R_odom_base.conjugate() * state.v_odom_imu - velocity_mps).norm(), 1e-9);
+  EXPECT_LT((R_odom_base.conjugate() * Eigen::Vector3d::UnitZ() - up).norm(), 1e-9);
+  expect_covariance(soon.filter.covariance);
+  const auto velocity_sigma_mps = [](const InitialState& of) {
+    return std::sqrt(of.filter.covariance(ErrorIndex::kVelocity, ErrorIndex::kVelocity));
+  };
+  EXPECT_LT(velocity_sigma_mps(soon), 2.5);
+  for (const double seen_at_s : {0.0, -5.0, 1.5}) {  // not known, long ago, not yet
+    const InitialState anew = start(seen_at_s);
+    EXPECT_FALSE(anew.motion_known);
+    EXPECT_EQ(anew.filter.state.v_odom_imu, Eigen::Vector3d::Zero());
+    EXPECT_GT(velocity_sigma_mps(anew), 5.0);
+  }
+}
+
 TEST(Initialisation, BaseStandsAtTheOriginOfOdomLookingAlongX) {
   Random random{3};
   Initialisation initialisation{InitialisationConfig{}};

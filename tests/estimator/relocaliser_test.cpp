@@ -39,7 +39,7 @@ class Drive {
     keyframe.state.time = HostTime{std::chrono::milliseconds{250 * static_cast<std::int64_t>(count_)}};
     keyframe.state.odom_piece = piece_;
     keyframe.state.T_odom_base = T_world_odom_.inverse() * truth(along_m);
-    keyframe.state.velocity_mps = {speed_mps_, 0.0, 0.0};
+    keyframe.state.velocity_mps = keyframe.state.T_odom_base.rotation * Eigen::Vector3d{speed_mps_, 0.0, 0.0};
     keyframe.relative_covariance = 1e-6 * Matrix6d::Identity();
     keyframe.up_sigma_rad = 0.001;
     keyframe.points = town_.scan(truth(along_m), random_);
@@ -70,9 +70,10 @@ class RelocaliserTest : public ::testing::Test {
     back_end_.emplace(make_relocaliser(config, {.T_base_lidar = {Eigen::Quaterniond::Identity(), test::kLidarInBase}, .T_base_imu = {}, .p_base_antenna = Eigen::Vector3d::Zero()}));
   }
 
-  /// Another process takes over what this one has left.
-  void restart() {
+  /// Another process takes over what this one has left. motion  of then, by the clock of the keyframes to come
+  void restart(const std::optional<StoredMotion>& motion = {}) {
     StoredMap left = back_end_->mapper().stored(kPlenty);
+    left.motion = motion;
     begin_back_end();
     entered_ = left.keyframes.size();
     back_end_->restore(std::move(left), HostTime{std::chrono::hours{1}});
@@ -156,6 +157,25 @@ TEST_F(RelocaliserTest, AfterARestartWhileItDrivesItIsFoundOnTheWay) {
   drive_.begin_piece(60.0);
   expect_found_at(60.0, 30.0);
   EXPECT_FALSE(began_anew_);
+}
+
+TEST_F(RelocaliserTest, AfterARestartWhileItDrivesOnItIsFoundWhereItsMotionHasBroughtIt) {
+  constexpr double kAway_s = 2.5;
+  constexpr double kSpeed_mps = 6.0;
+  const HostTime first{std::chrono::milliseconds{250}};  // of the keyframes to come
+  StoredMotion motion{.time = first - from_seconds(kAway_s), .velocity_mps = {kSpeed_mps, 0.0, 0.0}};
+  motion.angular_velocity_rads.z() = kSpeed_mps / test::kRoadRadius_m;
+  restart(motion);
+  drive_.go(kSpeed_mps);
+  const double now_m = 148.0 + kAway_s * kSpeed_mps;
+  drive_.begin_piece(now_m);
+  expect_found_at(now_m, 3.0);
+}
+
+TEST_F(RelocaliserTest, AfterARestartOneThatHasStoppedMeanwhileIsFoundAsWell) {
+  restart(StoredMotion{.time = HostTime{} - std::chrono::seconds{3}, .velocity_mps = {8.0, 0.0, 0.0}});
+  drive_.begin_piece(152.0);
+  expect_found_at(152.0, 1.0);
 }
 
 TEST_F(RelocaliserTest, AfterARestartInAnotherTownANewMapBeginsWithTheFirstScan) {

@@ -34,15 +34,29 @@ void check(std::span<const std::uint8_t> bytes) {
 
 /// The input as what follows the vehicle in a checkpoint whose checksum is right.
 std::vector<std::uint8_t> sealed(std::span<const std::uint8_t> content) {
-  constexpr std::size_t kHeadBytes = 16;
+  constexpr std::size_t kHeadBytes = 20;
   constexpr std::size_t kVehicleBytes = 17 * sizeof(double);
   std::vector<std::uint8_t> bytes = encode({}, {});
   bytes.resize(kHeadBytes + kVehicleBytes);
   bytes.insert(bytes.end(), content.begin(), content.end());
   boost::crc_32_type crc;
   crc.process_bytes(bytes.data() + kHeadBytes, bytes.size() - kHeadBytes);
-  const std::uint32_t checksum = crc.checksum();
-  std::memcpy(bytes.data() + kHeadBytes - sizeof checksum, &checksum, sizeof checksum);
+  const std::uint32_t seal[] = {static_cast<std::uint32_t>(bytes.size() - kHeadBytes), crc.checksum()};
+  std::memcpy(bytes.data() + kHeadBytes - sizeof seal, seal, sizeof seal);
+  return bytes;
+}
+
+/// The input as a step, whose checksum is right, of a map of one keyframe.
+std::vector<std::uint8_t> stepped(std::span<const std::uint8_t> content) {
+  StoredMap map;
+  map.keyframes.resize(1);
+  std::vector<std::uint8_t> bytes = encode(map, {});
+  boost::crc_32_type crc;
+  crc.process_bytes(content.data(), content.size());
+  const std::uint32_t seal[] = {static_cast<std::uint32_t>(content.size()), crc.checksum()};
+  const auto* raw = reinterpret_cast<const std::uint8_t*>(seal);
+  bytes.insert(bytes.end(), raw, raw + sizeof seal);
+  bytes.insert(bytes.end(), content.begin(), content.end());
   return bytes;
 }
 
@@ -51,5 +65,6 @@ std::vector<std::uint8_t> sealed(std::span<const std::uint8_t> content) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* input, std::size_t size) {
   check({input, size});
   check(sealed({input, size}));
+  check(stepped({input, size}));
   return 0;
 }
