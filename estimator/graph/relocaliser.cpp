@@ -13,7 +13,7 @@ constexpr double kPatienceAfterRestart_m = 50.0;
 constexpr double kStanding_mps = 0.3;
 constexpr double kLongestCarried_s = 6.0;
 constexpr double kPathShare = 0.5;      // of the way since, that it may be beside it
-constexpr std::size_t kGuessTries = 3;  // keyframes of a piece that are looked for where they are believed to be
+constexpr std::size_t kGuessTries = 8;  // keyframes of a piece that are looked for where they are believed to be
 
 /// Where a vehicle is now that moved so when it was last seen there, and moves as `now` says: half the time the one way, half the
 /// other. It may have braked, gone on or turned in between. Long after, it is as good as where it was.
