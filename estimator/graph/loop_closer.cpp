@@ -246,7 +246,7 @@ std::optional<Recognition> LoopCloser::recognise(const GraphView& view, const Pi
 /// The keyframe nearest to where it is believed to be, if it may be there.
 std::optional<std::size_t> LoopCloser::nearest_place(const GraphView& view, const PlaceBelief& belief) const {
   std::optional<std::size_t> nearest;
-  double nearest_m = belief.window.distance_m;
+  double nearest_m = belief.reach_m;
   for (std::size_t i = clouds_.forgotten(); i < std::min(clouds_.size(), view.keyframes.size()); ++i) {
     const double distance_m = (view.keyframes[i].T_map_base.translation - belief.T_map_base.translation).norm();
     if (distance_m >= nearest_m) continue;

@@ -18,10 +18,12 @@ struct PieceView {
   const KeyframeClouds& clouds;
 };
 
-/// Where the newest keyframe of a piece is believed to be, and how far it may be from there, horizontally and in heading.
+/// Where the newest keyframe of a piece is believed to be, how far it may be from there, horizontally and in heading, and how far from
+/// any keyframe of the map.
 struct PlaceBelief {
   Pose T_map_base;
   PlanarWindow window{.distance_m = 8.0, .yaw_rad = 0.5};
+  double reach_m = 8.0;
 };
 
 /// The newest keyframe of a piece, found again by registration.

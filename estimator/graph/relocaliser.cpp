@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kPatienceAfterRestart_m = 50.0;
 constexpr double kStanding_mps = 0.3;
-constexpr double kLongestCarried_s = 6.0;
+constexpr double kLongestCarried_s = 10.0;
+constexpr double kLongestReach_m = 40.0;  // beyond the map's last keyframe: further away it shows too little of the same
 constexpr double kPathShare = 0.5;      // of the way since, that it may be beside it
 constexpr std::size_t kGuessTries = 8;  // keyframes of a piece that are looked for where they are believed to be
 
@@ -28,7 +29,7 @@ PlaceBelief carried(const PlaceBelief& left, const StoredMotion& motion, const N
   const Pose second = moved(velocity_mps, now.angular_velocity_rads);
   const double path_m = first.translation.norm() + second.translation.norm();
   const double turned_rad = log_so3(first.rotation).norm() + log_so3(second.rotation).norm();
-  PlaceBelief here{left.T_map_base * first * second, left.window};
+  PlaceBelief here{left.T_map_base * first * second, left.window, kLongestReach_m};
   here.window.distance_m += kPathShare * path_m;
   here.window.yaw_rad += turned_rad;
   return here;
@@ -115,7 +116,7 @@ void Relocaliser::wait(const Keyframe& keyframe) {
 std::optional<Relocaliser::Found> Relocaliser::look() {
   const std::size_t newest = piece_.size() - 1;
   if (belief_ && newest < kGuessTries) {
-    const PlaceBelief here{belief_->T_map_base * piece_.relative(0, newest), belief_->window};
+    const PlaceBelief here{belief_->T_map_base * piece_.relative(0, newest), belief_->window, belief_->reach_m};
     if (const auto near = mapper_.recognise({piece_, clouds_}, here)) return found(*near);
   }
   if (newest % config_.look_every != 0) return std::nullopt;
