@@ -24,7 +24,10 @@ LidarInertialOdometry::LidarInertialOdometry(const VehicleGeometry& geometry, co
       imu_{config.imu},
       queue_{config.scans},
       starter_{geometry, config.start},
-      dead_reckoning_{config.dead_reckoning},
+      matcher_{{.dead_reckoning = config.dead_reckoning,
+                .imu_doubt = config.imu_doubt,
+                .min_inliers = config.fusion.registration.update.min_inliers,
+                .max_test_ratio = config.status.max_test_ratio}},
       fusion_{geometry.T_base_imu, config.fusion},
       keyframes_{config.keyframes, config.scans.assembler.max_points} {}
 
@@ -77,15 +80,17 @@ const ScanResult* LidarInertialOdometry::fuse(const Scan& scan) {
   last_scan_ = scan.end;
   const bool was_lost = fusion_.velocity_search().is_overdue(scan.end);
   const FilterSnapshot before = filter_;
-  const DeadReckoningSummary carried = match(scan);
+  const ScanMatch match = matcher_.match(scan, imu_.samples(), is_clock_unsure(scan.end), fusion_, filter_);
+  result_.update = match.update;
+  result_.imu_contradicted = match.imu_contradicted;
+  if (match.imu_contradicted) ++stats_.imu_contradicted;
   fuse_standstill();
   fusion_.absorb(scan, result_.update, filter_);
   finished(Stage::kInsert);
   if (!is_sane(filter_)) return start_over(scan.end);
   if (was_lost && !fusion_.velocity_search().is_on()) ++stats_.resets;
-  estimate_rate(before, carried);
   fusion_.carry_drift(before, filter_);
-  conclude(carried, scan.complete);
+  conclude(match.carried, scan.complete);
   pick_keyframe(scan);
   const bool new_map = fusion_.restarted() || fusion_.velocity_search().is_on();
   if (!imu_.sanity().is_suspect() || new_map) trusted_ = filter_;
@@ -109,80 +114,8 @@ void LidarInertialOdometry::fuse_standstill() {
   if (update_standstill(config_.standstill, filter_)) ++stats_.standstills;
 }
 
-/// The scan on the prior that the IMU gives. Where the two contradict each other: on that of an IMU with unknown biases, or
-/// without it, whichever first explains what the scan sees. What neither explains is the scan's own fault, and the IMU is believed.
-DeadReckoningSummary LidarInertialOdometry::match(const Scan& scan) {
-  const FilterSnapshot before = filter_;
-  DeadReckoningSummary carried = match_from(before, scan, true);
-  if (!is_contradiction(scan.end, carried)) return carried;
-  const std::uint32_t inliers = result_.update.inliers;
-  FilterSnapshot doubted = before;
-  doubt_biases(config_.imu_doubt, result_.update, doubted);
-  doubted.angular_velocity_rads = turn_rads_;
-  for (const bool with_imu : {true, false}) {
-    carried = match_from(doubted, scan, with_imu);
-    const bool without_imu_it_fits = !with_imu && (fits(result_.update, config_.status.max_test_ratio) ||
-                                                   fits_far_better(config_.imu_doubt, result_.update, inliers));
-    if (!is_explained() && !without_imu_it_fits) continue;
-    result_.imu_contradicted = true;
-    ++stats_.imu_contradicted;
-    return carried;
-  }
-  return match_from(before, scan, true);
-}
-
-/// Whether the scan just matched contradicts the IMU. Scans stamped wrong contradict the best of IMUs; and where a guessed motion
-/// left the filter a while ago, a scan that fits but moves it shows what was wrong with the guess.
-bool LidarInertialOdometry::is_contradiction(HostTime at, const DeadReckoningSummary& carried) {
-  const ImuDoubtConfig& config = config_.imu_doubt;
-  if (is_clock_unsure(at)) imu_believed_until_ = at + from_seconds(config.after_clock_s);
-  if (carried.coasted_s > 0.0) guess_forgiven_until_ = at + from_seconds(config.after_gap_s);
-  const bool can_doubt = at > imu_believed_until_ && carried.coasted_s == 0.0 && !fusion_.velocity_search().is_on() &&
-                         result_.update.matched >= config_.fusion.registration.update.min_inliers;
-  if (!can_doubt) return false;
-  return at > guess_forgiven_until_ ? !is_explained() : !fits(result_.update, config_.status.max_test_ratio);
-}
-
 bool LidarInertialOdometry::is_clock_unsure(HostTime at) const {
   return imu_.is_clock_unsure(at) || queue_.is_clock_unsure(at);
-}
-
-bool LidarInertialOdometry::is_explained() const {
-  return fits(result_.update, config_.status.max_test_ratio) && !is_moved(config_.imu_doubt, result_.update);
-}
-
-DeadReckoningSummary LidarInertialOdometry::match_from(const FilterSnapshot& before, const Scan& scan, bool with_imu) {
-  filter_ = before;
-  const DeadReckoningSummary carried = carry_to(scan, with_imu);
-  finished(Stage::kPropagate);
-  result_.update = fusion_.match(scan, carried.measured_s == 0.0, filter_, listener_);
-  return carried;
-}
-
-/// Dead reckoning to the scan's end; the knots inside the scan go to the de-skewing.
-DeadReckoningSummary LidarInertialOdometry::carry_to(const Scan& scan, bool with_imu) {
-  ScanMotion& motion = fusion_.motion();
-  motion.clear();
-  const auto nothing = [](const FilterSnapshot&) {};
-  const auto add_knot = [&](const FilterSnapshot& at) {
-    motion.add(to_seconds(at.time - scan.begin), at.state.T_odom_imu());
-  };
-  const auto advance = [&](HostTime to, const auto& on_knot) {
-    return with_imu ? dead_reckoning_.advance(imu_.samples(), to, filter_, on_knot)
-                    : dead_reckoning_.coast(to, filter_, on_knot);
-  };
-  DeadReckoningSummary carried;
-  if (filter_.time < scan.begin) carried = advance(scan.begin, nothing);
-  add_knot(filter_);
-  return carried + advance(scan.end, add_knot);
-}
-
-/// Without gyro the body rate is what turned the vehicle from one posterior to the next.
-void LidarInertialOdometry::estimate_rate(const FilterSnapshot& before, const DeadReckoningSummary& carried) {
-  if (!result_.update.fused) return;
-  const Eigen::Vector3d turn = log_so3(before.state.R_odom_imu.conjugate() * filter_.state.R_odom_imu);
-  turn_rads_ = turn / to_seconds(filter_.time - before.time);
-  if (carried.coasted_s > 0.0) filter_.angular_velocity_rads = turn_rads_;
 }
 
 void LidarInertialOdometry::pick_keyframe(const Scan& scan) {
@@ -235,8 +168,7 @@ bool LidarInertialOdometry::is_silent() const {
 
 const ScanResult* LidarInertialOdometry::pass_time() {
   result_ = {};
-  const DeadReckoningSummary carried =
-      dead_reckoning_.advance(imu_.samples(), now_ - queue_.latency(), filter_, [](const FilterSnapshot&) {});
+  const DeadReckoningSummary carried = matcher_.pass(imu_.samples(), now_ - queue_.latency(), filter_);
   if (!is_sane(filter_)) return start_over(filter_.time);
   conclude(carried, true);
   return &result_;

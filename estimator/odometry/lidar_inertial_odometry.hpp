@@ -2,10 +2,8 @@
 // The front end's facade: IMU samples and LiDAR packets in, one NavState a scan and keyframes out. A pure function of its
 // input events; no thread, clock, file or log. The 200 Hz pose between scans is odometry/pose_predictor.
 
-#include "estimator/odometry/dead_reckoning.hpp"
-#include "estimator/odometry/imu_doubt.hpp"
 #include "estimator/odometry/keyframe_picker.hpp"
-#include "estimator/odometry/scan_fusion.hpp"
+#include "estimator/odometry/scan_matcher.hpp"
 #include "estimator/odometry/scan_queue.hpp"
 #include "estimator/odometry/standstill.hpp"
 #include "estimator/odometry/starter.hpp"
@@ -76,7 +74,10 @@ class LidarInertialOdometry {
   const PointCloud& keyframe_points() const { return keyframes_.points(); }
 
   /// Hears of every stage from now on; must outlive the odometry. Null: nobody.
-  void set_stage_listener(StageListener* listener) { listener_ = listener; }
+  void set_stage_listener(StageListener* listener) {
+    listener_ = listener;
+    matcher_.set_stage_listener(listener);
+  }
 
   OdometryStats stats() const;
   const PlaneMap& map() const { return fusion_.map(); }
@@ -85,13 +86,7 @@ class LidarInertialOdometry {
   const ScanResult* fuse(const Scan& scan);
   void fuse_standstill();
   bool start(const Scan& scan);
-  DeadReckoningSummary match(const Scan& scan);
   bool is_clock_unsure(HostTime at) const;
-  bool is_contradiction(HostTime at, const DeadReckoningSummary& carried);
-  bool is_explained() const;
-  DeadReckoningSummary match_from(const FilterSnapshot& before, const Scan& scan, bool with_imu);
-  DeadReckoningSummary carry_to(const Scan& scan, bool with_imu);
-  void estimate_rate(const FilterSnapshot& before, const DeadReckoningSummary& carried);
   void pick_keyframe(const Scan& scan);
   bool has_lost_its_way(const Scan& scan) const;
   double local_sigma_m() const;
@@ -108,14 +103,11 @@ class LidarInertialOdometry {
   ImuIntake imu_;
   ScanQueue queue_;
   Starter starter_;
-  DeadReckoning dead_reckoning_;
+  ScanMatcher matcher_;
   ScanFusion fusion_;
   KeyframePicker keyframes_;
   FilterSnapshot filter_;
   FilterSnapshot trusted_;   // the newest one that no sample of a broken IMU can have touched
-  Eigen::Vector3d turn_rads_ = Eigen::Vector3d::Zero();  // imu frame, mean over the newest scan that was fused
-  HostTime imu_believed_until_{};    // whatever scans tell,
-  HostTime guess_forgiven_until_{};  // and only if they fit
   HostTime now_;
   HostTime last_scan_;       // end of the newest one that was fused or began a map
   ScanResult result_;
