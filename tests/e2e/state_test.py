@@ -67,7 +67,7 @@ class State(EndToEndTest):
     @in_real_time
     def test_killed_while_it_drives_it_tracks_again_in_the_same_map(self):
         daemon = self.start_daemon("--set", "checkpoint.period_s=3600")
-        self.start_drive("--rest", "3", "--duration", "60")
+        self.start_drive("--rest", "3", "--duration", "150")
         self.await_tracking()
         self.await_value("30 keyframes", lambda: self.back_end()["keyframes"] > 30, 60.0)
         self.kill(daemon)
