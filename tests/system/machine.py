@@ -72,7 +72,7 @@ class Machine(OverlayRoot):
         self.leader = await_value("the machine's init", self.find_leader, 30.0)
         try:
             await_value("the boot", lambda: self.call("systemctl", "is-system-running", check=False).stdout.strip()
-                        in ("running", "degraded"), 120.0)
+                        in ("running", "degraded"), 400.0)
         except AssertionError as failure:
             raise AssertionError(f"{failure}\n{self.call('systemctl', 'list-jobs', check=False).stdout}") from failure
 
