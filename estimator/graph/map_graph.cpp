@@ -145,8 +145,14 @@ void MapGraph::add(const Keyframe& keyframe) {
     poses_.push_back(poses_.back() * T_previous_this);
   }
   T_odom_newest_ = T_odom_base;
-  const double sigma = std::hypot(keyframe.up_sigma_rad, config_.gravity_sigma_rad);
-  nodes_.push_back({keyframe.up_base, sigma * std::sqrt(config_.gravity_correlation)});
+  nodes_.push_back({keyframe.up_base, gravity_sigma(keyframe.up_sigma_rad)});
+}
+
+/// What the filter has not learnt yet is one error that all keyframes until then share, and later ones tell it: counted as if
+/// each knew a part of it, they bend the map wherever odometry is unsure.
+double MapGraph::gravity_sigma(double told_rad) const {
+  const double unlearnt = std::max(1.0, told_rad / config_.gravity_sigma_rad);
+  return std::hypot(told_rad, config_.gravity_sigma_rad) * std::sqrt(config_.gravity_correlation) * unlearnt * unlearnt;
 }
 
 MapGraphSolve MapGraph::solve(const GraphConstraints& constraints, const SolveLimits& limits) {

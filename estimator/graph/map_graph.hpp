@@ -16,7 +16,8 @@
 namespace slamd {
 
 struct MapGraphConfig {
-  double gravity_sigma_rad = 0.003;   // at least, of a keyframe's direction of gravity: model error of the filter
+  double gravity_sigma_rad = 0.003;   // at least, of a keyframe's direction of gravity: model error of the filter; known worse
+                                      // it counts for little
   double gravity_correlation = 20.0;  // this many keyframes share one error of gravity
   double closure_phi = 12.6;          // chi2 of a closure from which on it counts less (95 % of 6 degrees of freedom)
   double closure_correlation = 4.0;   // neighbouring closures share so much of their sub-maps that so many have one error
@@ -57,6 +58,8 @@ class MapGraph {
   };
 
   class Problem;
+
+  double gravity_sigma(double told_rad) const;
 
   MapGraphConfig config_;
   std::vector<Pose> poses_;

@@ -100,6 +100,22 @@ TEST(Mapper, GravityAloneDoesNotBendOdometry) {
   EXPECT_LE(test::rmse(rig.mapper->solution()->keyframes, drive.truth), 1.02 * test::rmse(odometry, drive.truth));
 }
 
+/// The filter has learnt where up is by the middle of the drive, and there odometry was unsure of the attitude.
+TEST(Mapper, WhatTheFilterHadNotLearntOfGravityDoesNotBendTheMapWhereOdometryIsUnsure) {
+  GraphDrive drive{{.sigma_m = 0.0, .sigma_rad = 0.0}};
+  const Eigen::Quaterniond tilt = exp_so3({0.012, 0.0, 0.0});
+  for (std::size_t i = 0; i < drive.keyframes.size(); ++i) {
+    Keyframe& keyframe = drive.keyframes[i];
+    keyframe.relative_covariance = test::diagonal6(0.01, i == 100 ? 0.01 : 0.0003);
+    if (i >= 100) continue;
+    keyframe.up_base = keyframe.state.T_odom_base.rotation.conjugate() * (tilt * Eigen::Vector3d::UnitZ());
+    keyframe.up_sigma_rad = 0.015;
+  }
+  Rig rig{drive};
+  ASSERT_TRUE(rig.mapper->finish());
+  EXPECT_LT(test::rmse(rig.mapper->solution()->keyframes, drive.truth), 0.02);
+}
+
 TEST(Mapper, ClosuresBringTheDriveNearTheTruth) {
   const GraphDrive drive{{}};
   Rig rig{drive};
