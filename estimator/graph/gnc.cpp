@@ -10,7 +10,7 @@
 #include "estimator/graph/edge_costs.hpp"
 #include "estimator/graph/group_se2.hpp"
 #include "estimator/graph/group_se3.hpp"
-#include "estimator/graph/loop_support.hpp"
+#include "estimator/graph/loop_consensus.hpp"
 #include "estimator/graph/robust_loss.hpp"
 
 namespace slamd {
@@ -43,8 +43,8 @@ class Gnc {
         weights_(graph.edges.size(), 1.0) {}
 
   RobustOutcome run(const SolveLimits& limits) {
-    const std::vector<bool> supported = supported_edges(graph_, suspect_);
-    for (std::size_t k = 0; k < weights_.size(); ++k) weights_[k] = supported[k] ? 1.0 : 0.0;
+    const std::vector<bool> consenting = consenting_edges(graph_, suspect_, {}, limits.cancelled);
+    for (std::size_t k = 0; k < weights_.size(); ++k) weights_[k] = consenting[k] ? 1.0 : 0.0;
     RobustOutcome outcome;
     outcome.solve = move_from_start(limits);
     if (!outcome.solve.usable) return outcome;

@@ -1,6 +1,6 @@
 #pragma once
-// Least squares among edges of which some are plain wrong: a start from edges that support each other, then graduated
-// non-convexity with truncated least squares over all. Works on whole files; the live graph has map_graph.
+// Least squares among edges of which some are plain wrong: a start from edges that agree with the drive
+// (loop_consensus), then graduated non-convexity with truncated least squares over all. Works on whole files; the live graph has map_graph.
 // Source: Yang, Antonante, Tzoumas, Carlone 2020, "Graduated Non-Convexity for Robust Spatial Perception", section IV-B.
 
 #include <vector>

@@ -1,10 +1,11 @@
 #include "estimator/graph/loop_support.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <optional>
 #include <unordered_map>
 
+#include "estimator/graph/disjoint_sets.hpp"
+#include "estimator/graph/edge_covariance.hpp"
 #include "estimator/graph/gnc.hpp"
 #include "estimator/graph/group_se2.hpp"
 #include "estimator/graph/group_se3.hpp"
@@ -17,14 +18,6 @@ struct Step {
   typename Group::Element T;
   typename Group::Matrix covariance = Group::Matrix::Zero();
 };
-
-/// Large instead of infinite where nothing is known of a direction.
-template <class Matrix>
-Matrix covariance_of(const Matrix& information) {
-  constexpr double kNextToNothing = 1e-9;
-  if (information.llt().info() == Eigen::Success) return information.inverse();
-  return (information + kNextToNothing * information.diagonal().maxCoeff() * Matrix::Identity()).inverse();
-}
 
 /// Odometry between poses that are near in the order of the drive.
 template <class Group>
@@ -85,16 +78,15 @@ std::size_t distance(std::size_t a, std::size_t b) { return a > b ? a - b : b - 
 }  // namespace
 
 template <class Group>
-std::vector<bool> supported_edges(const PoseGraph<Group>& graph, const std::vector<bool>& suspect,
-                                  const LoopSupportConfig& config) {
+std::vector<std::size_t> supporting_groups(const PoseGraph<Group>& graph, const std::vector<bool>& suspect,
+                                           const LoopSupportConfig& config) {
   const Odometry<Group> odometry{graph, suspect};
   const double limit = chi2_quantile(Group::kDof, config.outlier_probability);
   const std::size_t cell = config.reach + 1;
   const std::size_t columns = graph.poses.size() / cell + 3;
   std::unordered_map<std::size_t, std::vector<Loop<Group>>> cells;  // by both ends, in units of `cell`
-  std::vector<bool> supported(graph.edges.size());
+  DisjointSets groups{graph.edges.size()};
   for (std::size_t k = 0; k < graph.edges.size(); ++k) {
-    supported[k] = !suspect[k];
     if (!suspect[k]) continue;
     const Loop<Group> loop = loop_of(graph, k);
     const std::size_t row = loop.early / cell + 1;
@@ -105,16 +97,26 @@ std::vector<bool> supported_edges(const PoseGraph<Group>& graph, const std::vect
         if (found == cells.end()) continue;
         for (const Loop<Group>& other : found->second) {
           const bool near = distance(loop.early, other.early) <= config.reach && distance(loop.late, other.late) <= config.reach;
-          if (near && agree(odometry, loop, other, limit)) supported[k] = supported[other.edge] = true;
+          if (near && agree(odometry, loop, other, limit)) groups.join(k, other.edge);
         }
       }
     }
     cells[row * columns + column].push_back(loop);
   }
+  return groups.sizes();
+}
+
+template <class Group>
+std::vector<bool> supported_edges(const PoseGraph<Group>& graph, const std::vector<bool>& suspect) {
+  const std::vector<std::size_t> groups = supporting_groups(graph, suspect);
+  std::vector<bool> supported;
+  for (std::size_t k = 0; k < groups.size(); ++k) supported.push_back(!suspect[k] || groups[k] > 1);
   return supported;
 }
 
-template std::vector<bool> supported_edges(const PoseGraph<GroupSe2>&, const std::vector<bool>&, const LoopSupportConfig&);
-template std::vector<bool> supported_edges(const PoseGraph<GroupSe3>&, const std::vector<bool>&, const LoopSupportConfig&);
+template std::vector<std::size_t> supporting_groups(const PoseGraph<GroupSe2>&, const std::vector<bool>&, const LoopSupportConfig&);
+template std::vector<std::size_t> supporting_groups(const PoseGraph<GroupSe3>&, const std::vector<bool>&, const LoopSupportConfig&);
+template std::vector<bool> supported_edges(const PoseGraph<GroupSe2>&, const std::vector<bool>&);
+template std::vector<bool> supported_edges(const PoseGraph<GroupSe3>&, const std::vector<bool>&);
 
 }  // namespace slamd

@@ -13,11 +13,15 @@ struct LoopSupportConfig {
   double outlier_probability = 1e-2;  // of two right loops to be taken for contradicting
 };
 
-/// One an edge: true for edges that are not suspect, and for suspects whose ring with another one closes within the sum of
-/// their covariances (frames of neighbouring poses taken as parallel). Odometry: edges that are not suspect, of poses i and
-/// i + 1. Cost: the suspects times their neighbours.
+/// One an edge: how many suspects it belongs to that agree with each other from one to the next, itself among them: their
+/// rings close within the sum of their covariances (frames of neighbouring poses taken as parallel). 1 for edges that are not
+/// suspect. Odometry: edges that are not suspect, of poses i and i + 1. Cost: the suspects times their neighbours.
 template <class Group>
-std::vector<bool> supported_edges(const PoseGraph<Group>& graph, const std::vector<bool>& suspect,
-                                  const LoopSupportConfig& config = {});
+std::vector<std::size_t> supporting_groups(const PoseGraph<Group>& graph, const std::vector<bool>& suspect,
+                                           const LoopSupportConfig& config = {});
+
+/// One an edge: true for edges that are not suspect, and for suspects that another one agrees with.
+template <class Group>
+std::vector<bool> supported_edges(const PoseGraph<Group>& graph, const std::vector<bool>& suspect);
 
 }  // namespace slamd

@@ -1,33 +1,13 @@
 #include "estimator/graph/pose_graph.hpp"
 
-#include <numeric>
-
+#include "estimator/graph/disjoint_sets.hpp"
 #include "estimator/graph/group_se2.hpp"
 #include "estimator/graph/group_se3.hpp"
 
 namespace slamd {
-namespace {
-
-/// Union-find with path halving.
-class Parts {
- public:
-  explicit Parts(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
-
-  std::size_t root(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::size_t a, std::size_t b) { parent_[root(a)] = root(b); }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
-}  // namespace
-
 template <class Group>
 std::size_t anchor_parts(PoseGraph<Group>& graph) {
-  Parts parts{graph.poses.size()};
+  DisjointSets parts{graph.poses.size()};
   for (const Edge<Group>& edge : graph.edges) parts.join(edge.from, edge.to);
   std::vector<bool> anchored(graph.poses.size(), false);
   for (std::size_t i = 0; i < graph.poses.size(); ++i) {

@@ -10,8 +10,10 @@
 #include "estimator/graph/chordal.hpp"
 #include "estimator/graph/edge_costs.hpp"
 #include "estimator/graph/gnc.hpp"
+#include "estimator/graph/loop_consensus.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tools/slam-pgo/g2o_file.hpp"
+#include "tools/slam-pgo/loops.hpp"
 #include "tools/slam-pgo/objective.hpp"
 
 namespace slamd::pgo {
@@ -26,12 +28,6 @@ struct Case {
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name << " seed " << c.seed; }
 
 constexpr std::size_t kApart = 100;
-
-std::vector<bool> loops_of(const PoseGraph<GroupSe2>& graph) {
-  std::vector<bool> loops;
-  for (const auto& edge : graph.edges) loops.push_back(std::max(edge.from, edge.to) - std::min(edge.from, edge.to) != 1);
-  return loops;
-}
 
 /// Wrong loops carry the measurement of a right one between two poses that have nothing to do with it: far apart in the
 /// drive, for between neighbours such a measurement is nearly right.
@@ -130,6 +126,50 @@ TEST(Gnc, AWrongLoopAmongThemIsDroppedAlone) {
     EXPECT_EQ(outcome.weights.back(), 0.0) << seed;
     EXPECT_EQ(std::ranges::count(outcome.weights, 0.0), 1) << seed;
   }
+}
+
+/// Two places that look alike: runs of loops from one to the other that agree with each other to the centimetre.
+void add_lookalikes(PoseGraph<GroupSe2>& graph, std::size_t runs, std::size_t length, std::uint64_t seed) {
+  std::mt19937_64 random{seed};
+  for (std::size_t run = 0; run < runs; ++run) {
+    const std::size_t from = random() % kLap;
+    const std::size_t to = kLap + (from + kLap / 3 + random() % (kLap / 3)) % (kLap - length);
+    Edge<GroupSe2> wrong = graph.edges.back();
+    wrong.measured = {};
+    for (std::size_t i = 0; i < length; ++i) {
+      wrong.from = from + i;
+      wrong.to = to + i;
+      graph.edges.push_back(wrong);
+    }
+  }
+}
+
+TEST(Gnc, RunsOfWrongLoopsThatConfirmEachOtherAreDropped) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    PoseGraph<GroupSe2> graph = two_laps({30, 31, 80, 81, 130, 131, 180, 181, 230, 231}, seed);
+    const std::size_t right = graph.edges.size();
+    add_lookalikes(graph, 6, 5, seed);
+    const std::vector<bool> believed = consenting_edges(graph, loops_of(graph));
+    const RobustOutcome outcome = solve_robustly(graph, loops_of(graph), {}, {});
+    ASSERT_EQ(outcome.weights.size(), graph.edges.size());
+    for (std::size_t k = 0; k < graph.edges.size(); ++k) {
+      EXPECT_EQ(outcome.weights[k], k < right ? 1.0 : 0.0) << seed << ' ' << k;
+      EXPECT_TRUE(k < right || !believed[k]) << seed << ' ' << k;
+    }
+  }
+}
+
+/// Errors of a fifth of what the information promises: a wrong loop hides in what is promised.
+TEST(LoopConsensus, FindsHowLargeErrorsAreWhereTheInformationIsFarTooSmall) {
+  PoseGraph<GroupSe2> graph = two_laps({30, 31, 80, 81, 130, 131, 180, 181, 230, 231, 270, 271}, 1);
+  Edge<GroupSe2> wrong = graph.edges.back();
+  wrong.from = 150;
+  wrong.to = 152 + kLap;
+  graph.edges.push_back(wrong);
+  for (Edge<GroupSe2>& edge : graph.edges) edge.information /= 400.0;
+  std::vector<bool> expected(graph.edges.size(), true);
+  expected.back() = false;
+  EXPECT_EQ(consenting_edges(graph, loops_of(graph)), expected);
 }
 
 /// A loop that is 4 m wrong where nothing holds the second lap for 50 poses on either side: they give way.
