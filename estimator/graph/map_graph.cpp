@@ -14,7 +14,7 @@ namespace {
 
 // The first keyframe holds the whole map: place and heading are free to choose, its tilt is for gravity to say.
 constexpr double kAnchorPosition_m = 1e-3;
-constexpr double kAnchorTilt_rad = 0.02;
+constexpr double kAnchorTilt_rad = 0.3;  // of the first pose: next to nothing, for it is gravity that levels
 constexpr double kAnchorYaw_rad = 1e-4;
 // No step of odometry is surer than that: information stays finite where the filter says zero.
 constexpr double kLeastSigma_m = 1e-4;
