@@ -118,9 +118,25 @@ class Gnc {
     return promised_ * std::min(config_.noise_margin * scale, config_.information_margin);
   }
 
+  /// As config.noise_margin, less where the kept loops' errors have the tails that their information promises.
+  double margin_of_kept() const {
+    constexpr double kTail = 0.025;
+    constexpr std::size_t kEnough = 100;
+    std::vector<double> errors;
+    for (std::size_t k = 0; k < weights_.size(); ++k) {
+      if (suspect_[k] && weights_[k] >= 0.5) errors.push_back(chi2(graph_, graph_.edges[k]));
+    }
+    if (errors.size() < kEnough) return config_.noise_margin;
+    std::ranges::sort(errors);
+    const double tail = errors[static_cast<std::size_t>((1.0 - kTail) * static_cast<double>(errors.size()))];
+    const double promised = chi2_quantile(Group::kDof, kTail) / chi2_quantile(Group::kDof, 0.5);
+    const double heaviness = tail / std::max(errors[errors.size() / 2], std::numeric_limits<double>::min()) / promised;
+    return std::clamp(config_.least_margin * heaviness, config_.least_margin, config_.noise_margin);
+  }
+
   /// Likewise of what an edge costs the whole, which takes in the drift of the chain around it.
   double cost_limit() const {
-    return promised_ * config_.noise_margin * std::min(scale_of_kept(), config_.information_margin);
+    return promised_ * margin_of_kept() * std::min(scale_of_kept(), config_.information_margin);
   }
 
   std::vector<bool> kept() const {

@@ -12,6 +12,7 @@ namespace slamd {
 struct GncConfig {
   double outlier_probability = 1e-4;  // of a right edge to be taken for wrong, when its information is true
   double noise_margin = 8.0;          // on the scale of errors that is found: tails of real files are heavy
+  double least_margin = 1.5;          // where they are not
   double information_margin = 2.0;    // on what the file's own information promises, at most
   double first_sharpness = 0.001;     // mu: edges up to 1 / mu times the limit have a say at first
   double sharpening = 1.4;            // of mu, a round; > 1

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <queue>
@@ -17,7 +18,7 @@ namespace slamd {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-constexpr std::array<std::size_t, 5> kGroups{16, 8, 4, 2, 1};  // suspects that agree, at least: judged in this order
+constexpr std::array<std::size_t, 5> kGroups{16, 8, 4, 2, 1};  // suspects that agree, at least: ranks
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 double median(std::vector<double> values) {
@@ -52,34 +53,37 @@ class Consensus {
   }
 
  private:
-  /// Those that many others confirm first: small groups, and what stands alone, are then judged by shorter ways.
   void judge_all(const std::function<bool()>& cancelled) {
     believed_.assign(graph_.edges.size(), false);
     joined_.assign(graph_.poses.size(), {});
-    waiting_.assign(graph_.poses.size(), {});
     errors_.clear();
+    for (std::vector<std::vector<std::size_t>>& waiting : waiting_) waiting.assign(graph_.poses.size(), {});
     for (std::size_t k = 0; k < suspect_.size(); ++k) {
-      if (!suspect_[k]) believe(k);
+      const Edge<Group>& edge = graph_.edges[k];
+      if (suspect_[k]) waiting_[rank_of(groups_[k])][std::max(edge.from, edge.to)].push_back(k);
+      else believe(k);
     }
-    std::size_t larger = std::numeric_limits<std::size_t>::max();
-    for (const std::size_t least : kGroups) {
-      for (std::size_t k = 0; k < suspect_.size(); ++k) {
-        const Edge<Group>& edge = graph_.edges[k];
-        if (suspect_[k] && groups_[k] >= least && groups_[k] < larger) waiting_[std::max(edge.from, edge.to)].push_back(k);
+    const double longest = std::accumulate(length_.begin(), length_.end(), 0.0) * config_.shorter_alone;
+    for (double reach = config_.first_reach; reach < config_.reach_growth * longest; reach *= config_.reach_growth) {
+      while (judge_ranks(reach)) {
       }
-      judge_waiting(cancelled);
-      larger = least;
+      if (left_ == 0 || (cancelled && cancelled())) return;
     }
   }
 
-  void judge_waiting(const std::function<bool()>& cancelled) {
-    const double longest = std::accumulate(length_.begin(), length_.end(), 0.0);
-    left_ = 1;
-    for (double reach = config_.first_reach; left_ > 0 && reach < config_.reach_growth * longest; reach *= config_.reach_growth) {
-      while (judge(reach)) {
-      }
-      if (cancelled && cancelled()) return;
+  static std::size_t rank_of(std::size_t group) {
+    return static_cast<std::size_t>(std::ranges::find_if(kGroups, [&](std::size_t least) { return group >= least; }) - kGroups.begin());
+  }
+
+  /// What many others confirm may close a longer ring than small groups and what stands alone. True when any was believed.
+  bool judge_ranks(double reach) {
+    bool any = false;
+    left_ = 0;
+    for (std::size_t rank = 0; rank < kGroups.size(); ++rank) {
+      const double share = std::pow(config_.shorter_alone, static_cast<double>(rank) / static_cast<double>(kGroups.size() - 1));
+      any = judge(waiting_[rank], reach / share) || any;
     }
+    return any;
   }
 
   /// Lengths in steps: what an edge does not know, against what a step of odometry does not.
@@ -105,11 +109,10 @@ class Consensus {
   }
 
   /// Every waiting edge that a way within reach leads round; those that fit are believed from then on. True when some were.
-  bool judge(double reach) {
+  bool judge(std::vector<std::vector<std::size_t>>& waiting, double reach) {
     std::vector<std::size_t> fitting;
-    left_ = 0;
-    for (std::size_t from = 0; from < waiting_.size(); ++from) {
-      std::vector<std::size_t>& edges = waiting_[from];
+    for (std::size_t from = 0; from < waiting.size(); ++from) {
+      std::vector<std::size_t>& edges = waiting[from];
       if (edges.empty()) continue;
       search(from, reach);
       std::erase_if(edges, [&](std::size_t k) {
@@ -193,7 +196,7 @@ class Consensus {
   std::vector<double> errors_;                     // of the suspects that are believed, as they were judged
   std::vector<bool> believed_;
   std::vector<std::vector<std::size_t>> joined_;   // believed edges at each pose
-  std::vector<std::vector<std::size_t>> waiting_;  // suspects that were not judged yet, at their later pose
+  std::array<std::vector<std::vector<std::size_t>>, kGroups.size()> waiting_;  // by rank: not judged yet, at their later pose
   std::vector<double> distance_;                   // of the last search
   std::vector<std::size_t> arrived_by_;
   std::vector<std::size_t> reached_;
