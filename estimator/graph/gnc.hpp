@@ -14,7 +14,7 @@ struct GncConfig {
   double noise_margin = 8.0;          // on the scale of errors that is found: tails of real files are heavy
   double least_margin = 1.5;          // where they are not
   double information_margin = 2.0;    // on what the file's own information promises, at most
-  double first_sharpness = 0.001;     // mu: edges up to 1 / mu times the limit have a say at first
+  double first_sharpness = 0.03;      // mu: edges up to 1 / mu times the limit have a say at first
   double sharpening = 1.4;            // of mu, a round; > 1
   double second_chance = 100.0;       // in the end edges up to so many times the limit are tried once more
   int last_rounds = 10;               // until the kept set agrees with its own solution
