@@ -13,8 +13,8 @@ from overlay_root import OverlayRoot, require_root_and, run
 
 META_PACKAGE = "linux-image-rt-amd64"
 ROOT_MODULES = ("virtio_pci", "9pnet_virtio", "9p")  # what it takes to reach the root file system
-LONGEST_TRIAL_S = 900.0
-PATIENCE_S = 1500.0  # with the boot, on a machine with other work
+LONGEST_TRIAL_S = 1500.0
+PATIENCE_S = 2400.0  # with the boot, on a machine with other work
 
 INIT = """#!/bin/busybox sh
 /bin/busybox mount -t proc proc /proc
