@@ -5,6 +5,7 @@
 #include "estimator/graph/group_se3.hpp"
 
 namespace slamd {
+
 template <class Group>
 std::size_t anchor_parts(PoseGraph<Group>& graph) {
   DisjointSets parts{graph.poses.size()};
