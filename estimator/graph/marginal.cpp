@@ -54,7 +54,8 @@ Eigen::MatrixXd marginal_covariance(ceres::Problem& problem, double* block) {
   ceres::Problem::EvaluateOptions options;
   options.parameter_blocks = variables(problem);
   // The wanted one last: its columns are then the last ones.
-  std::ranges::stable_partition(options.parameter_blocks, [block](const double* other) { return other != block; });
+  std::stable_partition(options.parameter_blocks.begin(), options.parameter_blocks.end(),
+                        [block](const double* other) { return other != block; });
   const Jacobian J = jacobian(problem, options);
   Factorisation factorisation;
   if (!factorise(J, factorisation)) return {};
