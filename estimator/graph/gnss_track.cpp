@@ -8,7 +8,9 @@ namespace slamd {
 
 namespace {
 
-constexpr double kMaxKnotGap_s = 1.0;        // between two keyframes; a vehicle may stop and go in more
+constexpr double kMaxKnotGap_s = 1.0;        // between two keyframes; in more a vehicle may stop and go,
+constexpr double kMaxSteadyGap_s = 5.0;      // unless it is slow and its way as long as both its velocities say
+constexpr double kSteadyShare = 0.3;         // to this share of the mean velocity
 constexpr double kSlow_mps = 1.0;            // below, the course is noise
 constexpr double kStep_s = 0.02;             // of the numerical derivative
 constexpr double kUnknownHeight_m = 1.0e4;   // sigma of a height that the receiver did not give
@@ -28,6 +30,11 @@ std::optional<Eigen::Vector2d> velocity_of(const GnssFix& fix) {
   return fix.speed_mps * Eigen::Vector2d{std::sin(course_rad), std::cos(course_rad)};
 }
 
+bool is_steady(const Eigen::Vector3d& way_m, double dt, const Eigen::Vector3d& v0, const Eigen::Vector3d& v1) {
+  const Eigen::Vector3d mean_mps = way_m / dt;
+  return std::max((v0 - mean_mps).norm(), (v1 - mean_mps).norm()) < kSteadyShare * mean_mps.norm();
+}
+
 }  // namespace
 
 void GnssTrack::add(const Keyframe& keyframe) {
@@ -45,7 +52,9 @@ std::optional<Pose> GnssTrack::T_keyframe_base(std::size_t i, HostTime time) con
   const Knot& a = knots_[i];
   const Knot& b = knots_[i + 1];
   const double dt = to_seconds(b.time - a.time);
-  if (dt <= 0.0 || dt > kMaxKnotGap_s) return std::nullopt;
+  if (dt <= 0.0 || dt > kMaxSteadyGap_s) return std::nullopt;
+  const Eigen::Vector3d way_m = b.T_odom_base.translation - a.T_odom_base.translation;
+  if (dt > kMaxKnotGap_s && !is_steady(way_m, dt, a.velocity_mps, b.velocity_mps)) return std::nullopt;
   const double s = to_seconds(time - a.time) / dt;
   Pose T_odom_base = interpolate(a.T_odom_base, b.T_odom_base, s);
   T_odom_base.translation = hermite(a.T_odom_base.translation, a.velocity_mps, b.T_odom_base.translation, b.velocity_mps, s, dt);

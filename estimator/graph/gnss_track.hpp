@@ -29,7 +29,7 @@ class GnssTrack {
 
   void add(const Keyframe& keyframe);
   /// The pose of keyframe i at `time`, which lies between it and the next one: cubic in position with the velocities of
-  /// both, even in rotation. Null when the two are too far apart in time to say, or there is no next one.
+  /// both, even in rotation. Null when the vehicle may have stood in between, or there is no next one.
   std::optional<Pose> T_keyframe_base(std::size_t i, HostTime time) const;
   /// Index of the last keyframe not younger than `time`; null when there is none, or none follows yet.
   std::optional<std::size_t> keyframe_before(HostTime time) const;

@@ -100,6 +100,10 @@ int run(const Options& options) {
   }
   progress.finish(std::to_string(report.scans) + " scans, " + std::to_string(report.map_points) +
                   " map points, written to " + options.out);
+  if (report.scans == 0) {
+    std::fprintf(stderr, "slam-replay: %s: no pose came out of it: no LiDAR, or less than a second of it (report.json has the counts)\n",
+                 options.drive.c_str());
+  }
   return kOk;
 }
 
