@@ -28,7 +28,7 @@ struct GnssReport {
   HostTime last_bytes;     // of the newest bytes, whatever they were
   HostTime last_sentence;  // of the newest bytes that ended a sentence; only meaningful when sentences.sentences > 0
   GnssStats parser;
-  NmeaSentenceStats sentences;
+  CheckedLineStats sentences;
   SourceStats serial;
   bool device_open = false;
   bool is_stuck = false;   // the newest fix repeats the one before, though the vehicle moves

@@ -55,7 +55,7 @@ class NmeaParser {
   }
 
   const GnssStats& stats() const { return stats_; }
-  const NmeaSentenceStats& sentence_stats() const { return tokenizer_.stats(); }
+  const CheckedLineStats& sentence_stats() const { return tokenizer_.stats(); }
   const EpochAssembler& epochs() const { return epochs_; }
   const ClockSync& clock() const { return clock_; }
 

@@ -1,11 +1,13 @@
 #pragma once
-// Bytes to checked NMEA 0183 sentences, split into fields. It knows addresses and checksums, not what fields mean.
+// Bytes to checked NMEA 0183 sentences, split into fields. It knows addresses, not what fields mean.
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
+
+#include "drivers/io/checked_line.hpp"
 
 namespace slamd {
 
@@ -25,41 +27,16 @@ struct NmeaSentence {
   std::string_view field(std::size_t i) const { return i < count ? fields[i] : std::string_view{}; }
 };
 
-/// Counters since construction.
-struct NmeaSentenceStats {
-  std::uint64_t sentences = 0;  // with a right checksum, of any type
-  std::uint64_t bad_checksum = 0;
-  std::uint64_t no_checksum = 0;  // ended before "*hh"
-  std::uint64_t broken = 0;       // another '$' or a byte that is not text inside
-  std::uint64_t too_long = 0;
-  std::uint64_t ignored_bytes = 0;  // outside sentences
-};
-
 /// One thread uses an instance; no allocation. Takes any split of the stream: parts of lines, merged lines, garbage.
 class NmeaTokenizer {
  public:
-  /// NMEA allows 82; receivers with many digits send more.
-  static constexpr std::size_t kMaxLength = 160;
-
-  /// One byte; the sentence that it completes. A sentence is complete with the second digit of its checksum.
+  /// One byte; the sentence that it completes.
   std::optional<NmeaSentence> take(std::uint8_t byte);
 
-  const NmeaSentenceStats& stats() const { return stats_; }
+  const CheckedLineStats& stats() const { return lines_.stats(); }
 
  private:
-  enum class State : std::uint8_t { kOutside, kBody, kChecksumHigh, kChecksumLow };
-
-  void take_body(std::uint8_t byte);
-  std::optional<NmeaSentence> finish(std::uint8_t byte);
-  NmeaSentence split() const;
-  void abandon(std::uint64_t NmeaSentenceStats::*cause);
-
-  State state_ = State::kOutside;
-  std::array<char, kMaxLength> body_{};
-  std::size_t length_ = 0;
-  std::uint8_t sum_ = 0;
-  std::uint8_t expected_ = 0;
-  NmeaSentenceStats stats_;
+  CheckedLineReader lines_;
 };
 
 }  // namespace slamd

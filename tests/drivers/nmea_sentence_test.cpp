@@ -35,7 +35,7 @@ TEST(NmeaTokenizer, SplitsFieldsAndKnowsTypesOfAnyTalker) {
 
 TEST(NmeaTokenizer, CountsWhatItDropsByCause) {
   NmeaTokenizer tokenizer;
-  const std::string long_line = "$GPGGA," + std::string(NmeaTokenizer::kMaxLength, '1');
+  const std::string long_line = "$GPGGA," + std::string(CheckedLineReader::kMaxLength, '1');
   const std::string text =
       "noise$GPGGA,1*00\r\n"                       // checksum
       "$GPGGA,1\r\n$GPGGA,1*G0\r\n$GPGGA,1*4\r\n"  // none

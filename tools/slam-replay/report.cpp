@@ -66,7 +66,7 @@ Json imu_frame_rejections(const ImuStats& stats) {
 }
 
 Json nmea_rejections(const NmeaParser& parser) {
-  const NmeaSentenceStats& sentences = parser.sentence_stats();
+  const CheckedLineStats& sentences = parser.sentence_stats();
   return {{"bad_checksum", sentences.bad_checksum},
           {"no_checksum", sentences.no_checksum},
           {"broken", sentences.broken},
