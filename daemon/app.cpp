@@ -11,6 +11,8 @@
 namespace slamd {
 namespace {
 
+constexpr double kFastest_mps = 100.0;  // that a vehicle is believed to have gone
+
 /// The present in UTC, as a part of a file's name.
 std::string utc_name() {
   const std::time_t now = std::time(nullptr);
@@ -20,8 +22,6 @@ std::string utc_name() {
   const std::size_t size = std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%SZ", &utc);
   return {text.data(), size};
 }
-
-constexpr double kFastest_mps = 100.0;  // that a vehicle is believed to have gone
 
 /// What an earlier run had learnt of the sensors, as the configuration of this one: so it is in a recording as well, and replays.
 Config with_what_was_learnt(Config config, const Result<StoredMap>& left) {

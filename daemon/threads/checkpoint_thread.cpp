@@ -81,20 +81,20 @@ Result<std::size_t> CheckpointThread::put(const Offers& offers) {
   if (offers.map) {
     const std::vector<std::uint8_t> bytes = encode(*offers.map, vehicle_);
     const Result<void> written = write_checkpoint(bytes, path_);
-    has_map_ = static_cast<bool>(written);
-    if (!written) return Error{written.reason()};
+    failure_ = written ? nullptr : written.reason();
+    if (!written) return Error{failure_};
     size = bytes.size();
   }
   if (offers.steps.empty()) return size;
-  if (!has_map_) return Error{"there is no whole map to add to"};
+  if (failure_ != nullptr) return Error{failure_};
   std::vector<std::uint8_t> steps;
   for (const StoredStep& step : offers.steps) {
     const std::vector<std::uint8_t> bytes = encode(step);
     steps.insert(steps.end(), bytes.begin(), bytes.end());
   }
   const Result<void> added = append_to_checkpoint(steps, path_);
-  has_map_ = static_cast<bool>(added);
-  if (!added) return Error{added.reason()};
+  failure_ = added ? nullptr : added.reason();
+  if (!added) return Error{failure_};
   return size + steps.size();
 }
 

@@ -67,7 +67,7 @@ class CheckpointThread {
   const std::string path_;
   const VehicleGeometry vehicle_;
   std::optional<HostTime> offered_at_;  // of the mapping thread; the whole map
-  bool has_map_ = false;             // of run(): the file is of this process, and whole
+  const char* failure_ = "there is no whole map to add to";  // of run(); null: the file is of this process, and whole
   mutable std::mutex mutex_;
   Offers waiting_;
   CheckpointReport report_;

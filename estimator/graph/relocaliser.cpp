@@ -18,9 +18,10 @@ constexpr std::size_t kGuessTries = 8;  // keyframes of a piece that are looked 
 
 /// Where a vehicle is now that moved so when it was last seen there, and moves as `now` says: half the time the one way, half the
 /// other. It may have braked, gone on or turned in between. Long after, it is as good as where it was.
-PlaceBelief carried(const PlaceBelief& left, const StoredMotion& motion, const NavState& now) {
+PlaceBelief carried(const Pose& T_map_left, const StoredMotion& motion, const NavState& now) {
+  PlaceBelief here{T_map_left};
   const double away_s = to_seconds(now.time - motion.time);
-  if (away_s < 0.0 || away_s > kLongestCarried_s) return left;
+  if (away_s < 0.0 || away_s > kLongestCarried_s) return here;
   const Eigen::Vector3d velocity_mps = now.T_odom_base.rotation.conjugate() * now.velocity_mps;
   const auto moved = [half_s = 0.5 * away_s](const Eigen::Vector3d& v, const Eigen::Vector3d& turn_rads) {
     return Pose{exp_so3(half_s * turn_rads), half_s * v};
@@ -29,7 +30,8 @@ PlaceBelief carried(const PlaceBelief& left, const StoredMotion& motion, const N
   const Pose second = moved(velocity_mps, now.angular_velocity_rads);
   const double path_m = first.translation.norm() + second.translation.norm();
   const double turned_rad = log_so3(first.rotation).norm() + log_so3(second.rotation).norm();
-  PlaceBelief here{left.T_map_base * first * second, left.window, kLongestReach_m};
+  here.T_map_base = T_map_left * first * second;
+  here.reach_m = kLongestReach_m;
   here.window.distance_m += kPathShare * path_m;
   here.window.yaw_rad += turned_rad;
   return here;
@@ -68,18 +70,16 @@ Relocaliser::Entered Relocaliser::add(const Keyframe& keyframe) {
 
 void Relocaliser::restore(StoredMap map, HostTime now) {
   if (map.keyframes.empty()) return;
-  belief_ = PlaceBelief{map.T_map_base};
-  motion_ = map.motion;
+  left_ = Left{map.T_map_base, map.motion};
   mapper_.restore(std::move(map), now);
   links_.clear();
   known_ = false;
-  restored_ = true;
 }
 
 /// Somebody may have moved the vehicle while nobody looked: one that stands has to recognise the map of an earlier run at once, if
 /// only by looks, or it is not the place. One that drives sees more with every metre.
 double Relocaliser::patience_m() const {
-  if (!restored_) return config_.patience_m;
+  if (!left_) return config_.patience_m;
   const bool stands = waiting_.front().state.velocity_mps.norm() < kStanding_mps;
   return stands && by_looks_.empty() ? 0.0 : std::min(config_.patience_m, kPatienceAfterRestart_m);
 }
@@ -92,16 +92,17 @@ void Relocaliser::begin_piece(std::uint32_t odom_piece) {
   by_looks_.clear();
   waiting_.clear();
   known_ = mapper_.keyframes().empty();
-  if (known_) {
-    links_ = {{odom_piece, {}}};
-  } else {
-    if (!restored_) belief_ = PlaceBelief{mapper_.keyframes().back().T_map_base};
-  }
+  if (known_) links_ = {{odom_piece, {}}};
+}
+
+PlaceBelief Relocaliser::believed(const NavState& first) const {
+  if (!left_) return {mapper_.keyframes().back().T_map_base};
+  return left_->motion ? carried(left_->T_map_base, *left_->motion, first) : PlaceBelief{left_->T_map_base};
 }
 
 void Relocaliser::wait(const Keyframe& keyframe) {
   const Pose& T_odom_base = keyframe.state.T_odom_base;
-  if (piece_.size() == 0 && restored_ && motion_) belief_ = carried(*belief_, *motion_, keyframe.state);
+  if (piece_.size() == 0) belief_ = believed(keyframe.state);
   if (piece_.size() > 0) {
     driven_m_ += (T_odom_base.translation - piece_.T_odom_base(piece_.size() - 1).translation).norm();
   }
@@ -115,8 +116,8 @@ void Relocaliser::wait(const Keyframe& keyframe) {
 /// different places: what looks alike once may be another place.
 std::optional<Relocaliser::Found> Relocaliser::look() {
   const std::size_t newest = piece_.size() - 1;
-  if (belief_ && newest < kGuessTries) {
-    const PlaceBelief here{belief_->T_map_base * piece_.relative(0, newest), belief_->window, belief_->reach_m};
+  if (newest < kGuessTries) {
+    const PlaceBelief here{belief_.T_map_base * piece_.relative(0, newest), belief_.window, belief_.reach_m};
     if (const auto near = mapper_.recognise({piece_, clouds_}, here)) return found(*near);
   }
   if (newest % config_.look_every != 0) return std::nullopt;
@@ -154,7 +155,7 @@ void Relocaliser::join(const Found& place) {
   links_.push_back({odom_piece_, T_chain_map * place.T_map_odom});
   waiting_.front().relative_covariance = T_last_first.covariance;
   known_ = true;
-  restored_ = false;
+  left_.reset();
 }
 
 Relocaliser::Entered Relocaliser::enter_waiting() {
@@ -171,7 +172,7 @@ void Relocaliser::begin_anew() {
   mapper_ = make_mapper_();
   links_ = {{odom_piece_, {}}};
   known_ = true;
-  restored_ = false;
+  left_.reset();
   ++counts_.begun_anew;
 }
 

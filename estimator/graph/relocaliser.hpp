@@ -68,8 +68,15 @@ class Relocaliser {
     std::uint32_t odom_piece;
     Pose T_chain_odom;
   };
+  /// Where an earlier run left the vehicle, and how it moved there.
+  struct Left {
+    Pose T_map_base;
+    std::optional<StoredMotion> motion;
+  };
 
   void begin_piece(std::uint32_t odom_piece);
+  /// Where a piece's first keyframe should be in map.
+  PlaceBelief believed(const NavState& first) const;
   void wait(const Keyframe& keyframe);
   std::optional<Found> look();
   Found found(const Recognition& recognition) const;
@@ -86,9 +93,8 @@ class Relocaliser {
   std::vector<Link> links_;              // of pieces in the map; the newest one's is the last when it is known
   std::uint32_t odom_piece_ = 0;
   bool known_ = true;
-  bool restored_ = false;                // the map is of an earlier run, and nothing of this one is in it yet
-  std::optional<PlaceBelief> belief_;    // of the piece's first keyframe
-  std::optional<StoredMotion> motion_;   // of the earlier run, where it was left
+  std::optional<Left> left_;             // the map is of an earlier run, and nothing of this one is in it yet
+  PlaceBelief belief_;                   // of the piece's first keyframe
   OdometryChain piece_;
   KeyframeClouds clouds_;
   double driven_m_ = 0.0;

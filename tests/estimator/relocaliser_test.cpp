@@ -172,6 +172,21 @@ TEST_F(RelocaliserTest, AfterARestartWhileItDrivesOnItIsFoundWhereItsMotionHasBr
   expect_found_at(now_m, 3.0);
 }
 
+TEST_F(RelocaliserTest, AfterARestartTheMotionCarriesASecondPieceFromWhereTheVehicleWasLeft) {
+  constexpr double kSpeed_mps = 8.0;
+  StoredMotion motion{.time = HostTime{} - from_seconds(2.0), .velocity_mps = {kSpeed_mps, 0.0, 0.0}};
+  motion.angular_velocity_rads.z() = kSpeed_mps / test::kRoadRadius_m;
+  restart(motion);
+  drive_.go(kSpeed_mps);
+  drive_.enter(99);
+  drive_.begin_piece(0.0);
+  EXPECT_FALSE(add(0.0)) << "it sees another town";
+  drive_.enter(kTown);
+  const double now_m = 148.0 + 2.5 * kSpeed_mps;
+  drive_.begin_piece(now_m);
+  expect_found_at(now_m, 3.0);
+}
+
 TEST_F(RelocaliserTest, AfterARestartOneThatHasStoppedMeanwhileIsFoundAsWell) {
   restart(StoredMotion{.time = HostTime{} - std::chrono::seconds{3}, .velocity_mps = {8.0, 0.0, 0.0}});
   drive_.begin_piece(152.0);
