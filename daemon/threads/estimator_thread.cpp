@@ -38,6 +38,8 @@ bool EstimatorThread::take_event(HostTime now) SLAMD_NONBLOCKING {
   if (event.kind != NextEvent::Kind::kNone) newest_event_ = event.time;
   switch (event.kind) {
     case NextEvent::Kind::kNone:
+    case NextEvent::Kind::kWheel:  // no rings of theirs here
+    case NextEvent::Kind::kLaser:
       return false;
     case NextEvent::Kind::kLidar:
       odometry_.add(*streams_.lidar.front());

@@ -15,6 +15,8 @@ NextEvent oldest(const EventHeads& heads) {
   offer(NextEvent::Kind::kImu, heads.imu);
   offer(NextEvent::Kind::kLidar, heads.lidar);
   offer(NextEvent::Kind::kGnss, heads.gnss);
+  offer(NextEvent::Kind::kWheel, heads.wheel);
+  offer(NextEvent::Kind::kLaser, heads.laser);
   return event;
 }
 

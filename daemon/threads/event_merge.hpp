@@ -21,15 +21,17 @@ struct EventHeads {
   std::optional<HostTime> imu;
   std::optional<HostTime> lidar;
   std::optional<HostTime> gnss;
+  std::optional<HostTime> wheel{};
+  std::optional<HostTime> laser{};
 };
 
 struct NextEvent {
-  enum class Kind { kNone, kImu, kLidar, kGnss, kSilence };
+  enum class Kind { kNone, kImu, kLidar, kGnss, kWheel, kLaser, kSilence };
   Kind kind = Kind::kNone;
   HostTime time;  // arrival of the event, or the instant up to which there was silence
 };
 
-/// A pure function of its inputs; one thread. Equal arrivals go imu, lidar, gnss.
+/// A pure function of its inputs; one thread. Equal arrivals go imu, lidar, gnss, wheel, laser.
 class EventMerge {
  public:
   explicit EventMerge(const EventMergeConfig& config) : config_{config} {}

@@ -16,17 +16,17 @@ Day::Day(const Config& config)
 bool Day::take(replay::Drive& drive) {
   const replay::Event event = drive.next();
   if (std::holds_alternative<std::monostate>(event)) return false;
-  if (const auto* sample = std::get_if<ImuSample>(&event)) {
-    now_ = sample->arrival;
-    odometry_.add(*sample);
-    predictor_.add(*sample);
+  if (const auto* sample = std::get_if<const ImuSample*>(&event)) {
+    now_ = (*sample)->arrival;
+    odometry_.add(**sample);
+    predictor_.add(**sample);
   } else if (const auto* packet = std::get_if<const LidarPacket*>(&event)) {
     now_ = (*packet)->arrival;
     odometry_.add(**packet);
-  } else if (const auto* fix = std::get_if<GnssFix>(&event)) {
-    now_ = fix->arrival;
+  } else if (const auto* fix = std::get_if<const GnssFix*>(&event)) {
+    now_ = (*fix)->arrival;
     ++counts_.fixes;
-    back_end_.add(*fix);
+    back_end_.add(**fix);
   } else if (const auto* silence = std::get_if<replay::Silence>(&event)) {
     odometry_.advance(silence->until);
   }

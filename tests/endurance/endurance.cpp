@@ -18,6 +18,7 @@
 #include "daemon/health/process_memory.hpp"
 #include "tests/endurance/day.hpp"
 #include "tests/endurance/lap.hpp"
+#include "tools/slam-replay/drive/drive_folder.hpp"
 
 namespace slamd::endurance {
 namespace {
@@ -102,19 +103,17 @@ class Log {
   void print(const Day& day, const replay::Drive& drive) const {
     const DayCounts& counts = day.counts();
     const Mapper& mapper = day.back_end().mapper();
-    const Vlp16Stats& lidar = drive.lidar_stats();
-    const ImuFrameParser& imu = drive.imu_wire()->parser();
-    std::uint64_t refused = 0;
-    lidar.rejections.for_each([&](const char*, std::uint64_t count) { refused += count; });
+    const replay::StreamReport lidar = drive.sensors().lidar->report();
+    const replay::StreamReport imu = drive.sensors().imu->report();
     const double simulated_s = to_seconds(day.now() - begin_);
     const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
     const auto n = [](std::uint64_t count) { return static_cast<unsigned long long>(count); };
-    std::printf("| %zu | %.1f | %.1f | %.1f | %.1f | %llu, %llu | %.2f %%, %llu | %llu | %llu, %llu, %llu | %llu, %llu, %u | %llu | %.3f, %.3f |\n",
+    std::printf("| %zu | %.1f | %.1f | %.1f | %.1f | %llu, %llu | %.2f %%, %llu | %llu | %llu, %llu, %llu | %llu, %llu, %llu | %llu | %.3f, %.3f |\n",
                 memory_.size(), simulated_s / wall_s, memory_.back(), static_cast<double>(day.map().bytes) / kMegabyte,
                 static_cast<double>(mapper.bytes()) / kMegabyte, n(counts.keyframes), n(mapper.left_out_keyframes()),
                 100.0 * static_cast<double>(counts.tracking) / static_cast<double>(std::max<std::uint64_t>(1, counts.scans)),
-                n(counts.lost), n(day.odometry().resets), n(lidar.lost), n(refused), n(lidar.clock_jumps), n(imu.stats().missing),
-                n(imu.stats().resets), imu.clock().jumps(), n(counts.fixes), away_odom_m_, away_map_m_);
+                n(counts.lost), n(day.odometry().resets), n(lidar.missing), n(lidar.refused()), n(lidar.clock_jumps), n(imu.missing),
+                n(imu.resets), n(imu.clock_jumps), n(counts.fixes), away_odom_m_, away_map_m_);
     std::fflush(stdout);
   }
 
@@ -140,12 +139,11 @@ int run(const std::string& folder, double hours, const std::vector<std::string>&
   config.value.vehicle = vehicle.value.geometry;
   config.value.vlp16.vertical_offsets = vehicle.value.lidar_vertical_offsets;
   const Feeder feeder{folder, *plan, from_seconds(3600.0 * hours)};
-  replay::DriveConfig wires;
+  replay::DriverConfigs wires;
   wires.vlp16 = config.value.vlp16;
   wires.imu_frames = config.value.imu_frames;
-  wires.merge = config.value.estimator.merge;
   wires.nmea = config.value.nmea;
-  replay::Drive drive{feeder.folder(), wires};
+  replay::Drive drive{replay::open_drive_folder(feeder.folder(), wires), config.value.estimator.merge};
   Day day{config.value};
   Log log{*plan};
   while (day.take(drive)) log.look(day, drive);

@@ -8,6 +8,7 @@
 
 #include "tests/endurance/nmea_clock.hpp"
 #include "tools/slam-replay/drive/drive.hpp"
+#include "tools/slam-replay/drive/drive_folder.hpp"
 #include "tools/slam-sim/output/drive_folder.hpp"
 
 namespace slamd::endurance {
@@ -59,18 +60,18 @@ TEST(Lap, RepeatedIsADriveWithoutJumpsLossesOrGaps) {
   for (std::size_t wire = 0; wire < Lap::kWires.size(); ++wire) {
     lap.write(wire, 2 * plan->period + std::chrono::milliseconds{1}, folder.path + "repeated/" + Lap::kWires[wire]);
   }
-  replay::Drive drive{folder.path + "repeated", {}};
+  replay::Drive drive{replay::open_drive_folder(folder.path + "repeated", {}), {}};
   std::uint64_t fixes = 0;
   for (replay::Event event = drive.next(); !std::holds_alternative<std::monostate>(event); event = drive.next()) {
-    fixes += std::holds_alternative<GnssFix>(event) ? 1 : 0;
+    fixes += std::holds_alternative<const GnssFix*>(event) ? 1 : 0;
   }
-  const Vlp16Stats& lidar = drive.lidar_stats();
-  EXPECT_EQ(lidar.received, lidar.accepted);
-  EXPECT_NEAR(static_cast<double>(lidar.accepted), 3.0 * static_cast<double>(plan->seconds) / 1.327104e-3, 6.0);
-  EXPECT_EQ(lidar.lost + lidar.clock_jumps, 0U);
-  const ImuStats& imu = drive.imu_wire()->parser().stats();
-  EXPECT_EQ(imu.samples, static_cast<std::uint64_t>(600 * plan->seconds));
-  EXPECT_EQ(imu.missing + imu.resets + imu.implausible + imu.repeated, 0U);
+  const replay::StreamReport lidar = drive.sensors().lidar->report();
+  EXPECT_EQ(lidar.refused(), 0U);
+  EXPECT_NEAR(static_cast<double>(lidar.items), 3.0 * static_cast<double>(plan->seconds) / 1.327104e-3, 6.0);
+  EXPECT_EQ(lidar.missing + lidar.clock_jumps, 0U);
+  const replay::StreamReport imu = drive.sensors().imu->report();
+  EXPECT_EQ(imu.items, static_cast<std::uint64_t>(600 * plan->seconds));
+  EXPECT_EQ(imu.missing + imu.resets + imu.refused(), 0U);
   EXPECT_GE(fixes, static_cast<std::uint64_t>(3 * plan->seconds - 3));
 }
 

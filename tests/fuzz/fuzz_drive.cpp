@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "tools/slam-replay/drive/drive.hpp"
+#include "tools/slam-replay/drive/drive_folder.hpp"
 
 namespace {
 
@@ -60,27 +61,27 @@ struct Add {
 
   void operator()(std::monostate) const {}
   void operator()(const Silence&) const { ++sums.silences; }
-  void operator()(const ImuSample& sample) const {
-    require(sample.gyro_rads.allFinite() && sample.accel_mps2.allFinite());
+  void operator()(const ImuSample* sample) const {
+    require(sample->gyro_rads.allFinite() && sample->accel_mps2.allFinite());
     ++sums.samples;
-    sums.total += sample.gyro_rads.sum();
+    sums.total += sample->gyro_rads.sum();
   }
   void operator()(const LidarPacket* packet) const {
     require(packet != nullptr && packet->point_count <= LidarPacket::kMaxPoints);
     ++sums.packets;
     sums.total += packet->point_count;
   }
-  void operator()(const GnssFix& fix) const {
-    require(std::abs(fix.latitude_deg) <= 90.0 && std::abs(fix.longitude_deg) <= 180.0 && std::isfinite(fix.height_m));
+  void operator()(const GnssFix* fix) const {
+    require(std::abs(fix->latitude_deg) <= 90.0 && std::abs(fix->longitude_deg) <= 180.0 && std::isfinite(fix->height_m));
     ++sums.fixes;
-    sums.total += fix.latitude_deg;
+    sums.total += fix->latitude_deg;
   }
+  void operator()(const WheelOdometry* wheel) const { require(std::isfinite(wheel->x_m) && std::isfinite(wheel->yaw_rad)); }
+  void operator()(const LaserScan* scan) const { sums.total += static_cast<double>(scan->beams.size()); }
 };
 
 Sums read(const std::string& folder) {
-  DriveConfig config;
-  config.merge.silence = std::chrono::minutes{10};
-  Drive drive{folder, config};
+  Drive drive{open_drive_folder(folder, {}), {.silence = std::chrono::minutes{10}}};
   Sums sums;
   for (std::size_t i = 0; i < kEvents; ++i) {
     const Event event = drive.next();

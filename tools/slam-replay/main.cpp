@@ -7,6 +7,7 @@
 #include "daemon/config/config.hpp"
 #include "daemon/store/cloud_file.hpp"
 #include "tools/slam-replay/back_end_output.hpp"
+#include "tools/slam-replay/drive/drive_folder.hpp"
 #include "tools/slam-replay/injected_loops.hpp"
 #include "tools/slam-replay/replay.hpp"
 
@@ -28,16 +29,14 @@ bool tell(const ConfigFaults& faults) {
   return !faults.empty();
 }
 
-replay::DriveConfig drive_config(const Config& config, const Options& options) {
-  replay::DriveConfig drive;
-  drive.vlp16 = config.vlp16;
-  drive.imu_clock.min_latency = config.imu_frames.clock.min_latency;
-  drive.imu_frames = config.imu_frames;
-  drive.merge = config.estimator.merge;
-  drive.nmea = config.nmea;
-  drive.lidar_port = config.lidar.port;
-  drive.with_gps = !options.no_gps;
-  return drive;
+replay::DriverConfigs driver_configs(const Config& config) {
+  replay::DriverConfigs drivers;
+  drivers.vlp16 = config.vlp16;
+  drivers.imu_clock.min_latency = config.imu_frames.clock.min_latency;
+  drivers.imu_frames = config.imu_frames;
+  drivers.nmea = config.nmea;
+  drivers.lidar_port = config.lidar.port;
+  return drivers;
 }
 
 bool write_text(const std::string& text, const std::string& path) {
@@ -75,12 +74,14 @@ int run(const Options& options) {
     config.value.vehicle = vehicle.value.geometry;
     config.value.vlp16.vertical_offsets = vehicle.value.lidar_vertical_offsets;
   }
-  replay::Drive drive{options.drive, drive_config(config.value, options)};
-  if (!drive.has_lidar() && !drive.has_imu()) {
+  replay::Sensors sensors = replay::open_drive_folder(options.drive, driver_configs(config.value));
+  if (options.no_gps) sensors.gnss.reset();
+  if (!sensors.lidar && !sensors.imu) {
     std::fprintf(stderr, "slam-replay: %s: no lidar.pcap, imu.csv or imu.pcap that can be read there\n",
                  options.drive.c_str());
     return kBadDrive;
   }
+  replay::Drive drive{std::move(sensors), config.value.estimator.merge};
   replay::Output output{options.out};
   BackEndConfig& back_end = config.value.back_end;
   back_end.use_loops = back_end.use_loops && !options.no_loops;
@@ -93,7 +94,7 @@ int run(const Options& options) {
   replay::Report report = replay.report();
   const bool written = output.finish() && (options.no_map || replay::write_back_end(replay, options.out)) &&
                        write_map(replay, output.path("map.pcd"), report.map_points) &&
-                       write_text(to_json(report, replay.times(), drive, replay.stats()), output.path("report.json"));
+                       write_text(to_json(report, replay.times(), drive.sensors(), replay.stats()), output.path("report.json"));
   if (!written) {
     std::fprintf(stderr, "slam-replay: %s: cannot write there (permission? disk full?)\n", options.out.c_str());
     return kCannotWrite;

@@ -33,18 +33,18 @@ bool Replay::take(const Event& event, Output& output) {
     if (first_ == HostTime{}) first_ = arrival;
     last_ = std::max(last_, arrival);
   };
-  if (const auto* sample = std::get_if<ImuSample>(&event)) {
-    note(sample->arrival);
-    odometry_.add(*sample);
-    const NavState state = predictor_.add(*sample);
+  if (const auto* const* sample = std::get_if<const ImuSample*>(&event)) {
+    note((*sample)->arrival);
+    odometry_.add(**sample);
+    const NavState state = predictor_.add(**sample);
     if (state.status != TrackingStatus::kInitialising) output.imu_rate(state);
-  } else if (const auto* packet = std::get_if<const LidarPacket*>(&event)) {
+  } else if (const auto* const* packet = std::get_if<const LidarPacket*>(&event)) {
     note((*packet)->arrival);
     odometry_.add(**packet);
-  } else if (const auto* fix = std::get_if<GnssFix>(&event)) {
-    note(fix->arrival);
+  } else if (const auto* const* fix = std::get_if<const GnssFix*>(&event)) {
+    note((*fix)->arrival);
     ++report_.fixes;
-    if (with_map_) relocaliser_.add(*fix);
+    if (with_map_) relocaliser_.add(**fix);
   } else if (const auto* silence = std::get_if<Silence>(&event)) {
     odometry_.advance(silence->until);
   }

@@ -50,57 +50,34 @@ Json status_line(const Report& report) {
   return line;
 }
 
-Json drops(const Drive& drive, const OdometryStats& stats) {
-  Json out{{"lidar_packets_lost", drive.lidar_stats().lost}, {"scans_late", stats.scans_late + stats.queue.overtaken},
-           {"scans_thinned", stats.scans_thinned}, {"scans_let_go", stats.scans_let_go}};
-  if (drive.imu_reader() != nullptr) out["imu_samples_missing"] = drive.imu_reader()->clock().missing();
-  if (drive.imu_wire() != nullptr) out["imu_samples_missing"] = drive.imu_wire()->parser().stats().missing;
+Json drops(const Sensors& sensors, const OdometryStats& stats) {
+  Json out{{"scans_late", stats.scans_late + stats.queue.overtaken}, {"scans_thinned", stats.scans_thinned},
+           {"scans_let_go", stats.scans_let_go}};
+  if (sensors.lidar) out["lidar_packets_lost"] = sensors.lidar->report().missing;
+  if (sensors.imu) out["imu_samples_missing"] = sensors.imu->report().missing;
   return out;
 }
 
-Json imu_frame_rejections(const ImuStats& stats) {
-  constexpr std::array kCauses{"", "length", "cobs", "crc", "version"};
-  Json out{{"repeated", stats.repeated}, {"implausible_stamp", stats.implausible}, {"sensor_fault", stats.sensor_faults}};
-  for (std::size_t i = 1; i < kCauses.size(); ++i) out[kCauses[i]] = stats.rejected[i];
-  return out;
-}
-
-Json nmea_rejections(const NmeaParser& parser) {
-  const CheckedLineStats& sentences = parser.sentence_stats();
-  return {{"bad_checksum", sentences.bad_checksum},
-          {"no_checksum", sentences.no_checksum},
-          {"broken", sentences.broken},
-          {"too_long", sentences.too_long},
-          {"stale", parser.stats().stale}};
-}
-
-Json rejections(const Drive& drive, const OdometryStats& stats) {
+Json rejections(const Sensors& sensors, const OdometryStats& stats) {
   Json out;
-  const auto add = [&out](const char* group) {
-    return [&out, group](const char* cause, std::uint64_t count) { out[group][cause] = count; };
+  const auto add = [&out](const auto& stream) {
+    if (!stream) return;
+    for (const StreamReport::Rejection& r : stream->report().rejections) {
+      Json& count = out[r.group][r.cause];
+      count = (count.is_null() ? 0 : count.template get<std::uint64_t>()) + r.count;
+    }
   };
-  drive.lidar_stats().rejections.for_each(add("lidar"));
-  if (drive.pcap_stats() != nullptr) {
-    drive.pcap_stats()->rejections.for_each(add("pcap"));
-    out["pcap"]["unreadable_bytes"] = drive.pcap_stats()->unreadable_bytes;
-  }
-  if (const ImuCsvReader* imu = drive.imu_reader()) {
-    out["imu"] = {{"bad_lines", imu->stats().bad_lines},
-                  {"out_of_range", imu->stats().out_of_range},
-                  {"backward", imu->stats().backward}};
-  }
-  if (const ImuWireReader* imu = drive.imu_wire()) out["imu"] = imu_frame_rejections(imu->parser().stats());
-  if (drive.has_imu()) {
+  add(sensors.lidar);
+  add(sensors.imu);
+  add(sensors.gnss);
+  add(sensors.wheel);
+  add(sensors.laser);
+  if (sensors.imu) {
     out["imu"]["out_of_order"] = stats.imu.out_of_order;
     out["imu"]["in_future"] = stats.imu.in_future;
     out["imu"]["frozen"] = stats.imu.frozen;
     out["imu"]["implausible"] = stats.imu.implausible;
   }
-  if (const GpsCsvReader* gps = drive.gps_reader()) {
-    out["gps"] = nmea_rejections(gps->parser());
-    out["gps"]["bad_lines"] = gps->bad_lines();
-  }
-  if (const GpsWireReader* gps = drive.gps_wire()) out["gps"] = nmea_rejections(gps->parser());
   out["scans_contradicting_imu"] = stats.imu_contradicted;
   out["scans_unfused"] = stats.fusion.unfused;
   out["scans_repeated"] = stats.queue.repeated;
@@ -131,7 +108,7 @@ Json origin(const EnuOrigin& enu) {
 
 }  // namespace
 
-std::string to_json(const Report& report, const StageTimes& times, const Drive& drive, const OdometryStats& stats) {
+std::string to_json(const Report& report, const StageTimes& times, const Sensors& sensors, const OdometryStats& stats) {
   constexpr double kMegabyte = 1024.0 * 1024.0;
   Json out{{"scans", report.scans},
            {"duration_s", to_seconds(report.drive)},
@@ -148,8 +125,8 @@ std::string to_json(const Report& report, const StageTimes& times, const Drive& 
   out["keyframes"] = report.keyframes;
   out["map_points"] = report.map_points;
   out["gps_fixes"] = report.fixes;
-  out["drops"] = drops(drive, stats);
-  out["rejections"] = rejections(drive, stats);
+  out["drops"] = drops(sensors, stats);
+  out["rejections"] = rejections(sensors, stats);
   out["status"] = status_line(report);
   const Matrix6d& p = report.last.covariance;
   out["final_sigma"] = {{"position_m", {std::sqrt(p(0, 0)), std::sqrt(p(1, 1)), std::sqrt(p(2, 2))}},

@@ -13,7 +13,7 @@
 #include "estimator/graph/relocaliser.hpp"
 #include "estimator/odometry/lidar_inertial_odometry.hpp"
 #include "estimator/types/stage.hpp"
-#include "tools/slam-replay/drive/drive.hpp"
+#include "tools/slam-replay/drive/sensors.hpp"
 
 namespace slamd::replay {
 
@@ -60,6 +60,6 @@ struct Report {
 };
 
 /// report.json as text; see README.md for the keys.
-std::string to_json(const Report& report, const StageTimes& times, const Drive& drive, const OdometryStats& stats);
+std::string to_json(const Report& report, const StageTimes& times, const Sensors& sensors, const OdometryStats& stats);
 
 }  // namespace slamd::replay

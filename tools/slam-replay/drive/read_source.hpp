@@ -1,0 +1,35 @@
+#pragma once
+// The reads of one device as they were recorded: bytes with the stamp of their arrival. It parses nothing.
+
+#include <utility>
+
+#include "drivers/io/pcap_source.hpp"
+#include "tools/slam-replay/drive/stream.hpp"
+
+namespace slamd::replay {
+
+class ReadSource {
+ public:
+  virtual ~ReadSource() = default;
+  /// The next read, valid until the next call; null at the end.
+  virtual const UdpPacket* next() = 0;
+  /// Adds what was refused here.
+  virtual void tell(StreamReport& report) const = 0;
+  /// Share of the recording read so far, 0..1.
+  virtual double progress() const = 0;
+};
+
+/// Of a capture file.
+class PcapReads : public ReadSource {
+ public:
+  explicit PcapReads(PcapSource pcap) : pcap_{std::move(pcap)} {}
+
+  const UdpPacket* next() override { return pcap_.next(); }
+  void tell(StreamReport& report) const override;
+  double progress() const override;
+
+ private:
+  PcapSource pcap_;
+};
+
+}  // namespace slamd::replay

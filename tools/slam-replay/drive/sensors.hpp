@@ -1,0 +1,40 @@
+#pragma once
+// What a recording holds, whatever its form: a stream for each sensor that is in it. drive.hpp merges them to events.
+
+#include <cstdint>
+#include <map>
+#include <memory>
+
+#include "drivers/gnss/nmea_parser.hpp"
+#include "drivers/imu/imu_frame_parser.hpp"
+#include "drivers/io/sample_clock.hpp"
+#include "drivers/velodyne/vlp16_decoder.hpp"
+#include "estimator/types/gnss_fix.hpp"
+#include "estimator/types/imu_sample.hpp"
+#include "estimator/types/laser_scan.hpp"
+#include "estimator/types/lidar_packet.hpp"
+#include "estimator/types/wheel_odometry.hpp"
+#include "tools/slam-replay/drive/stream.hpp"
+
+namespace slamd::replay {
+
+/// How the drivers read what was recorded.
+struct DriverConfigs {
+  Vlp16Config vlp16;
+  SampleClock::Config imu_clock;                                           // of imu.csv
+  ImuFrameParser::Config imu_frames = ImuFrameParser::Config::defaults();  // of an IMU's bytes
+  NmeaParser::Config nmea = NmeaParser::Config::defaults();
+  std::uint16_t lidar_port = 2368;
+};
+
+/// Null: the sensor is not there.
+struct Sensors {
+  std::unique_ptr<Stream<LidarPacket>> lidar;
+  std::unique_ptr<Stream<ImuSample>> imu;
+  std::unique_ptr<Stream<GnssFix>> gnss;
+  std::unique_ptr<Stream<WheelOdometry>> wheel;
+  std::unique_ptr<Stream<LaserScan>> laser;
+  std::map<HostTime, double> scan_shares;  // by end of a scan: of its points, where the live estimator had no time for more
+};
+
+}  // namespace slamd::replay

@@ -1,0 +1,47 @@
+#include "tools/slam-replay/drive/wire_streams.hpp"
+
+#include <array>
+
+namespace slamd::replay {
+
+void tell(const ImuFrameParser& parser, StreamReport& report) {
+  constexpr std::array kCauses{"", "length", "cobs", "crc", "version"};
+  const ImuStats& stats = parser.stats();
+  report.missing = stats.missing;
+  report.resets = stats.resets;
+  report.clock_jumps = parser.clock().jumps();
+  report.rejections.push_back({"imu", "repeated", stats.repeated});
+  report.rejections.push_back({"imu", "implausible_stamp", stats.implausible});
+  report.rejections.push_back({"imu", "sensor_fault", stats.sensor_faults});
+  for (std::size_t i = 1; i < kCauses.size(); ++i) report.rejections.push_back({"imu", kCauses[i], stats.rejected[i]});
+}
+
+void tell(const NmeaParser& parser, StreamReport& report) {
+  const auto& sentences = parser.sentence_stats();
+  report.rejections.push_back({"gps", "bad_checksum", sentences.bad_checksum});
+  report.rejections.push_back({"gps", "no_checksum", sentences.no_checksum});
+  report.rejections.push_back({"gps", "broken", sentences.broken});
+  report.rejections.push_back({"gps", "too_long", sentences.too_long});
+  report.rejections.push_back({"gps", "stale", parser.stats().stale});
+}
+
+const LidarPacket* Vlp16Stream::next() {
+  while (const UdpPacket* read = reads_->next()) {
+    if (read->destination_port != 0 && read->destination_port != port_) continue;
+    if (const LidarPacket* packet = decoder_.decode(read->payload, read->arrival)) return packet;
+  }
+  return nullptr;
+}
+
+StreamReport Vlp16Stream::report() const {
+  const Vlp16Stats& stats = decoder_.stats();
+  StreamReport report;
+  report.items = stats.accepted;
+  report.missing = stats.lost;
+  report.clock_jumps = stats.clock_jumps;
+  stats.rejections.for_each([&](const char* cause, std::uint64_t count) { report.rejections.push_back({"lidar", cause, count}); });
+  reads_->tell(report);
+  return report;
+}
+
+}  // namespace slamd::replay

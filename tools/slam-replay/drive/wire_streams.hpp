@@ -1,0 +1,73 @@
+#pragma once
+// Recorded bytes of a device through the driver's own parser: what comes out is what came out live, to the last bit. It is not
+// for tables of values: those are in table_streams.hpp.
+
+#include <deque>
+#include <memory>
+#include <utility>
+
+#include "drivers/gnss/nmea_parser.hpp"
+#include "drivers/imu/imu_frame_parser.hpp"
+#include "drivers/velodyne/vlp16_decoder.hpp"
+#include "tools/slam-replay/drive/read_source.hpp"
+
+namespace slamd::replay {
+
+/// What the parsers say of themselves, as a stream says it.
+void tell(const ImuFrameParser& parser, StreamReport& report);
+void tell(const NmeaParser& parser, StreamReport& report);
+
+/// A serial port. Parser: one with feed(bytes, arrival, sink) and a tell() above. Item: what it makes.
+template <class Parser, class Item>
+class WireStream : public Stream<Item> {
+ public:
+  WireStream(std::unique_ptr<ReadSource> reads, const typename Parser::Config& config) : reads_{std::move(reads)}, parser_{config} {}
+
+  const Item* next() override {
+    if (!items_.empty()) items_.pop_front();
+    while (items_.empty()) {
+      const UdpPacket* read = reads_->next();
+      if (read == nullptr) return nullptr;
+      parser_.feed(read->payload, read->arrival, [this](const Item& item) { items_.push_back(item); });
+    }
+    ++given_;
+    return &items_.front();
+  }
+
+  StreamReport report() const override {
+    StreamReport report;
+    report.items = given_;
+    tell(parser_, report);
+    reads_->tell(report);
+    return report;
+  }
+  double progress() const override { return reads_->progress(); }
+
+ private:
+  std::unique_ptr<ReadSource> reads_;
+  Parser parser_;
+  std::deque<Item> items_;  // the front one has been handed out
+  std::uint64_t given_ = 0;
+};
+
+using ImuWireStream = WireStream<ImuFrameParser, ImuSample>;
+using GnssWireStream = WireStream<NmeaParser, GnssFix>;
+
+/// Datagrams of a VLP-16.
+class Vlp16Stream : public Stream<LidarPacket> {
+ public:
+  /// Datagrams to other ports than `port` are left alone; those without a port are all of the sensor.
+  Vlp16Stream(std::unique_ptr<ReadSource> reads, const Vlp16Config& config, std::uint16_t port)
+      : reads_{std::move(reads)}, decoder_{config}, port_{port} {}
+
+  const LidarPacket* next() override;
+  StreamReport report() const override;
+  double progress() const override { return reads_->progress(); }
+
+ private:
+  std::unique_ptr<ReadSource> reads_;
+  Vlp16Decoder decoder_;
+  std::uint16_t port_;
+};
+
+}  // namespace slamd::replay
