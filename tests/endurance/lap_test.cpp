@@ -48,7 +48,7 @@ TEST(Lap, RepeatedIsADriveWithoutJumpsLossesOrGaps) {
   spec.imu.clock_skew_ppm = 0.0;
   sim::Simulation simulation{spec};
   {
-    sim::DriveFolder out{folder.path, 1'000'000'000'000, true};
+    sim::DriveFolder out{folder.path, {.host_start_ns = 1'000'000'000'000, .serial_bytes = true}};
     while (!simulation.done()) {
       for (const sim::WireEvent& event : simulation.next_slice()) out.write(event);
     }

@@ -59,7 +59,7 @@ TEST(SimOutput, AFolderHasOnlyTheFilesOfSensorsThatSpoke) {
   const auto folder = scratch("drive");
   {
     Simulation simulation{small_drive()};
-    DriveFolder out{folder, 1'000'000'000};
+    DriveFolder out{folder, {.host_start_ns = 1'000'000'000}};
     while (!simulation.done()) {
       for (const WireEvent& event : simulation.next_slice()) out.write(event);
     }
@@ -83,7 +83,7 @@ TEST(SimOutput, AFolderHasOnlyTheFilesOfSensorsThatSpoke) {
 
 TEST(SimOutput, AFolderThatCannotBeMadeSaysWhy) {
   try {
-    DriveFolder out{"/proc/no/such/place", 0};
+    DriveFolder out{"/proc/no/such/place", {}};
     FAIL() << "made a folder in /proc";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("/proc/no/such/place"), std::string::npos);

@@ -35,28 +35,35 @@ DriveFolder::File DriveFolder::open(const std::filesystem::path& path) {
   return file;
 }
 
-DriveFolder::DriveFolder(const std::filesystem::path& folder, std::int64_t host_start_ns, bool serial_bytes)
+DriveFolder::DriveFolder(const std::filesystem::path& folder, const FolderFormat& format)
     : folder_{created(folder)},
-      host_start_ns_{host_start_ns},
-      serial_bytes_{serial_bytes},
+      format_{format},
       imu_{nullptr, &std::fclose},
-      gps_{nullptr, &std::fclose} {
-  for (const char* name : {"lidar.pcap", "imu.csv", "gps.csv", "imu.pcap", "gps.pcap"}) std::filesystem::remove(folder_ / name);
+      gps_{nullptr, &std::fclose},
+      wheel_{nullptr, &std::fclose},
+      scan_{nullptr, &std::fclose} {
+  for (const char* name : {"lidar.pcap", "scan.csv", "imu.csv", "gps.csv", "imu.pcap", "gps.pcap", "wheel.csv"})
+    std::filesystem::remove(folder_ / name);
 }
 
 void DriveFolder::write(const WireEvent& event) {
   switch (event.channel) {
     case Channel::kLidar:
-      write_bytes(event, 2368, "lidar.pcap", lidar_);
+      format_.lidar == LidarKind::kLaserScan
+          ? write_line(event, "scan.csv", "t_ns,angle_begin_rad,angle_step_rad,beam_s,range_max_m,ranges_m", scan_)
+          : write_bytes(event, 2368, "lidar.pcap", lidar_);
       break;
     case Channel::kPosition:
       write_bytes(event, 8308, "lidar.pcap", lidar_);
       break;
     case Channel::kImu:
-      serial_bytes_ ? write_bytes(event, 0, "imu.pcap", imu_bytes_) : write_imu(event);
+      format_.serial_bytes ? write_bytes(event, 0, "imu.pcap", imu_bytes_) : write_imu(event);
       break;
     case Channel::kGps:
-      serial_bytes_ ? write_bytes(event, 0, "gps.pcap", gps_bytes_) : write_gps(event);
+      format_.serial_bytes ? write_bytes(event, 0, "gps.pcap", gps_bytes_) : write_line(event, "gps.csv", "t_ns,sentence", gps_);
+      break;
+    case Channel::kWheel:
+      write_line(event, "wheel.csv", "t_ns,sentence", wheel_);
       break;
   }
 }
@@ -71,7 +78,7 @@ void DriveFolder::write_bytes(const WireEvent& event, std::uint16_t port, const 
     if (!sink) throw std::runtime_error(path.string() + ": " + sink.reason());
     file = std::move(sink).value();
   }
-  file->write({event.bytes, from_ns<HostTime>(host_start_ns_ + event.arrival_ns), ipv4_address(kFactoryAddress), port, port});
+  file->write({event.bytes, from_ns<HostTime>(format_.host_start_ns + event.arrival_ns), ipv4_address(kFactoryAddress), port, port});
 }
 
 void DriveFolder::write_imu(const WireEvent& event) {
@@ -83,31 +90,31 @@ void DriveFolder::write_imu(const WireEvent& event) {
   }
   constexpr double kGyro = kImuGyroMdpsPerLsb * 1e-3 * std::numbers::pi / 180.0;
   constexpr double kAccel = kImuAccelMgPerLsb * 1e-3 * 9.80665;
-  std::fprintf(imu_.get(), "%" PRId64, host_start_ns_ + event.arrival_ns);
+  std::fprintf(imu_.get(), "%" PRId64, format_.host_start_ns + event.arrival_ns);
   for (const auto counts : decoded.frame.gyro) std::fprintf(imu_.get(), ",%.8f", counts * kGyro);
   for (const auto counts : decoded.frame.accel) std::fprintf(imu_.get(), ",%.8f", counts * kAccel);
   std::fprintf(imu_.get(), ",%.2f\n", decoded.frame.temperature / kImuTemperatureLsbPerC + kImuTemperatureZeroC);
 }
 
-/// One line a sentence, whatever its bytes: line ends inside (damaged sentences) would break the file and become dots.
-void DriveFolder::write_gps(const WireEvent& event) {
-  if (!gps_) {
-    gps_ = open(folder_ / "gps.csv");
-    std::fputs("t_ns,sentence\n", gps_.get());
+/// One line an event, whatever its bytes: line ends inside (damaged sentences) would break the file and become dots.
+void DriveFolder::write_line(const WireEvent& event, const char* name, const char* header, File& file) {
+  if (!file) {
+    file = open(folder_ / name);
+    std::fprintf(file.get(), "%s\n", header);
   }
   std::string text(event.bytes.begin(), event.bytes.end());
   while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
   for (char& c : text) {
     if (c == '\n' || c == '\r' || c == '\0') c = '.';
   }
-  std::fprintf(gps_.get(), "%" PRId64 ",%s\n", host_start_ns_ + event.arrival_ns, text.c_str());
+  std::fprintf(file.get(), "%" PRId64 ",%s\n", format_.host_start_ns + event.arrival_ns, text.c_str());
 }
 
 void DriveFolder::write_truth(const Trajectory& trajectory, double duration_s) {
   const File file = open(folder_ / "truth.tum");
   const auto count = static_cast<std::int64_t>(std::floor(duration_s * 100.0 + 1e-6));
   for (std::int64_t i = 0; i <= count; ++i) {
-    write_tum_line(file.get(), host_start_ns_ + i * 10'000'000, trajectory.pose_at(static_cast<double>(i) * 0.01));
+    write_tum_line(file.get(), format_.host_start_ns + i * 10'000'000, trajectory.pose_at(static_cast<double>(i) * 0.01));
   }
 }
 
@@ -127,8 +134,9 @@ void DriveFolder::write_vehicle(const VehicleGeometry& vehicle) {
   transform("T_base_imu", vehicle.T_base_imu);
   const auto& a = vehicle.p_base_antenna;
   std::fprintf(file.get(), "p_base_antenna: [%.6f, %.6f, %.6f]\n", a.x(), a.y(), a.z());
-  std::fputs("# The LiDAR's rays begin at the heights of the manual, not at one point.\nlidar_vertical_offsets: true\n",
-             file.get());
+  std::fprintf(file.get(), "lidar_model: %s\n", name(format_.lidar));
+  if (format_.lidar == LidarKind::kVlp16)
+    std::fputs("# The LiDAR's rays begin at the heights of the manual, not at one point.\nlidar_vertical_offsets: true\n", file.get());
 }
 
 }  // namespace slamd::sim

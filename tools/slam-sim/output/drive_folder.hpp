@@ -1,6 +1,6 @@
 #pragma once
-// Writes wire events as a drive folder: lidar.pcap, imu.csv, gps.csv, truth.tum, vehicle.yaml. Design, section 8. On request
-// the serial bytes as they are (imu.pcap, gps.pcap) in place of the two tables.
+// Writes wire events as a drive folder: lidar.pcap or scan.csv, imu.csv, gps.csv, wheel.csv, truth.tum, vehicle.yaml. Design,
+// section 8. On request the serial bytes as they are (imu.pcap, gps.pcap) in place of the two tables.
 
 #include <cstdio>
 #include <filesystem>
@@ -12,11 +12,16 @@
 
 namespace slamd::sim {
 
+struct FolderFormat {
+  std::int64_t host_start_ns = 0;  // host time of the start of the drive
+  LidarKind lidar = LidarKind::kVlp16;
+  bool serial_bytes = false;
+};
+
 class DriveFolder {
  public:
-  /// Creates the folder; a sensor's file appears with its first event. host_start_ns: host time of the start of the
-  /// drive. Throws std::runtime_error with path and reason.
-  DriveFolder(const std::filesystem::path& folder, std::int64_t host_start_ns, bool serial_bytes = false);
+  /// Creates the folder; a sensor's file appears with its first event. Throws std::runtime_error with path and reason.
+  DriveFolder(const std::filesystem::path& folder, const FolderFormat& format);
 
   /// Events in order of arrival. IMU frames that a driver would refuse leave no line.
   void write(const WireEvent& event);
@@ -29,14 +34,12 @@ class DriveFolder {
   static File open(const std::filesystem::path& path);
   void write_bytes(const WireEvent& event, std::uint16_t port, const char* name, std::optional<PcapSink>& file);
   void write_imu(const WireEvent& event);
-  void write_gps(const WireEvent& event);
+  void write_line(const WireEvent& event, const char* name, const char* header, File& file);
 
   std::filesystem::path folder_;
-  std::int64_t host_start_ns_;
-  bool serial_bytes_;
+  FolderFormat format_;
   std::optional<PcapSink> lidar_, imu_bytes_, gps_bytes_;
-  File imu_;
-  File gps_;
+  File imu_, gps_, wheel_, scan_;
 };
 
 /// One line of a TUM file.

@@ -1,5 +1,7 @@
 #include "tools/slam-sim/output/scenarios.hpp"
 
+#include <numbers>
+
 namespace slamd::sim {
 namespace {
 
@@ -42,6 +44,28 @@ void parking(DriveSpec& spec) {
   spec.with_gps = false;
 }
 
+void loop(DriveSpec& spec) {
+  spec.world = WorldKind::kGrounds;
+  spec.course.stop_every_m = 600.0;
+  spec.with_wheel = true;
+}
+
+/// A TurtleBot3 Burger, two rounds near its highest speed (0.22 m/s, 2.84 rad/s).
+void house(DriveSpec& spec) {
+  spec.world = WorldKind::kHouse;
+  spec.course.kind = CourseKind::kTwoLaps;
+  spec.course.stop_every_m = 15.0;
+  spec.course.limits = {.speed_mps = 0.215, .acceleration_mps2 = 0.4, .braking_mps2 = 0.4, .lateral_mps2 = 0.1};
+  spec.course.wobble = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  spec.lidar_kind = LidarKind::kLaserScan;
+  spec.mounting.told = turtlebot3_burger();
+  spec.with_gps = false;
+  spec.with_wheel = true;
+  spec.wheel.rate_hz = 30.0;
+  spec.wheel.track_m = 0.160;
+  spec.wheel.tick_m = 0.033 * 2 * std::numbers::pi / 4096;
+}
+
 }  // namespace
 
 const std::vector<Scenario>& scenarios() {
@@ -55,6 +79,8 @@ const std::vector<Scenario>& scenarios() {
       {"urban", "street canyon with traffic and poor GPS", urban},
       {"corridor", "120 m of featureless corridor and back in reverse, no GPS", corridor},
       {"parking", "two laps in a parking house, no GPS", parking},
+      {"loop", "1.8 km once round grounds of 560 m x 363 m, wheel odometry", loop},
+      {"house", "TurtleBot3 with a 2D LiDAR and wheel odometry, twice through every room of a house, no GPS", house},
       {"open-field", "hilly field with few trees", [](DriveSpec& spec) { spec.world = WorldKind::kOpenField; }},
   };
   return kAll;

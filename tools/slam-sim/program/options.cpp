@@ -13,7 +13,9 @@ namespace {
 
 const std::map<std::string, WorldKind> kWorlds{{"campus", WorldKind::kCampus},
                                                {"corridor", WorldKind::kCorridor},
+                                               {"grounds", WorldKind::kGrounds},
                                                {"hills", WorldKind::kHills},
+                                               {"house", WorldKind::kHouse},
                                                {"parking", WorldKind::kParking},
                                                {"open-field", WorldKind::kOpenField},
                                                {"urban", WorldKind::kUrban}};
@@ -24,6 +26,8 @@ const std::map<std::string, CourseKind> kCourses{{"loop", CourseKind::kLoop},
                                                  {"standstill", CourseKind::kStandstill}};
 const std::map<std::string, ReturnMode> kReturns{
     {"strongest", ReturnMode::kStrongest}, {"last", ReturnMode::kLast}, {"dual", ReturnMode::kDual}};
+
+const std::map<std::string, LidarKind> kLidars{{"vlp16", LidarKind::kVlp16}, {"laser_scan", LidarKind::kLaserScan}};
 
 template <class Enum>
 void add_choice(CLI::App& app, const char* name, const std::map<std::string, Enum>& words, Enum& target,
@@ -127,6 +131,7 @@ void add_mounting(CLI::App& app, Mounting& mounting) {
 }
 
 void add_lidar(CLI::App& app, DriveSpec& d) {
+  add_choice(app, "--lidar", kLidars, d.lidar_kind, "which one: a VLP-16, or an LDS-01 that gives finished scans (default: by the scenario)");
   app.add_flag_callback(
       "--no-lidar", [&d] { d.with_lidar = false; }, "switched off");
   app.add_option("--rpm", d.lidar.rpm, "revolutions per minute")
@@ -150,6 +155,24 @@ void add_lidar(CLI::App& app, DriveSpec& d) {
       "no returns between these azimuths, degrees clockwise from the front, 0..360");
   app.add_option("--lidar-skew", d.lidar.clock_skew_ppm, "of its clock, ppm")->capture_default_str();
   app.add_flag("--lidar-pps", d.lidar.pps_locked, "its clock follows UTC; position packets carry $GPRMC");
+}
+
+void add_planar_lidar(CLI::App& app, DriveSpec& d) {
+  PlanarLidarModel& model = d.planar_lidar;
+  app.add_option("--scan-beams", model.beams, "a revolution")->check(CLI::Range(8, 10000))->capture_default_str();
+  app.add_option("--scan-rate", model.rate_hz, "Hz")->check(CLI::Range(0.5, 50.0))->capture_default_str();
+  app.add_option("--scan-reach", model.max_range_m, "m")->check(CLI::Range(0.5, 100.0))->capture_default_str();
+  app.add_option("--scan-noise", model.range_noise_m, "standard deviation, m")->check(CLI::Range(0.0, 1.0))->capture_default_str();
+}
+
+void add_wheel(CLI::App& app, DriveSpec& d) {
+  app.add_flag("--wheel,!--no-wheel", d.with_wheel, "the vehicle has wheel odometry");
+  WheelModel& model = d.wheel;
+  app.add_option("--wheel-rate", model.rate_hz, "Hz")->check(CLI::Range(1.0, 1000.0))->capture_default_str();
+  app.add_option("--wheel-slip", model.slip_m_rtm, "of each wheel, m per root metre")->check(CLI::NonNegativeNumber)->capture_default_str();
+  app.add_option("--wheel-scale", model.scale_percent, "error of the wheels' size, standard deviation, percent")->check(CLI::Range(0.0, 20.0));
+  app.add_option("--wheel-balance", model.balance_percent, "of one wheel's size against the other's, likewise")->check(CLI::Range(0.0, 20.0));
+  app.add_option("--wheel-track", model.track_percent, "of the track as told, likewise")->check(CLI::Range(0.0, 20.0));
 }
 
 void add_imu(CLI::App& app, DriveSpec& d) {
@@ -236,6 +259,7 @@ void add_output(CLI::App& app, Options& o) {
   app.add_option("--position-port", l.position_port, "of position packets")->needs(live)->capture_default_str();
   app.add_option("--imu-pty", l.imu_pty, "symlink to make: the IMU's serial port")->needs(live);
   app.add_option("--gps-pty", l.gps_pty, "symlink to make: the receiver's serial port")->needs(live);
+  app.add_option("--wheel-pty", l.wheel_pty, "symlink to make: the wheel odometry's serial port")->needs(live);
   app.add_option("--truth", l.truth, "write the exact poses there (TUM, CLOCK_MONOTONIC)")->needs(live);
   app.add_option("--imu-motion", l.imu_motion, "write the exact motion of the IMU there before the start (CSV, 1 kHz)")
       ->needs(live);
@@ -262,13 +286,17 @@ Parsed parse_command_line(int argc, char** argv) {
   grouped(app, "Drive", [&] { add_drive(app, o.drive); });
   grouped(app, "Driving", [&] { add_driving(app, o.drive.course); });
   grouped(app, "Mounting", [&] { add_mounting(app, o.drive.mounting); });
-  grouped(app, "LiDAR (VLP-16)", [&] { add_lidar(app, o.drive); });
+  grouped(app, "LiDAR", [&] { add_lidar(app, o.drive); });
+  grouped(app, "2D LiDAR (LDS-01)", [&] { add_planar_lidar(app, o.drive); });
   grouped(app, "IMU (LSM6DSOX)", [&] { add_imu(app, o.drive); });
+  grouped(app, "Wheel odometry", [&] { add_wheel(app, o.drive); });
   grouped(app, "GPS", [&] { add_gps(app, o.drive); });
   grouped(app, "Output", [&] { add_output(app, o); });
   try {
     app.parse(argc, argv);
     if (o.out.empty() && !o.live) throw CLI::RequiredError("--out FOLDER or --live");
+    if (o.live && o.drive.lidar_kind == LidarKind::kLaserScan)
+      throw CLI::ValidationError("--live", "the 2D LiDAR of this drive has no wire that slamd reads; take --out FOLDER or --lidar vlp16");
   } catch (const CLI::ParseError& error) {
     return {std::nullopt, app.exit(error)};
   }

@@ -14,6 +14,7 @@ struct LiveOptions {
   std::uint16_t position_port = 8308;
   std::string imu_pty;  // symlinks to the slaves; empty = none
   std::string gps_pty;
+  std::string wheel_pty;
   std::string truth;       // TUM file; empty = none
   std::string imu_motion;  // CSV of the IMU's exact motion; empty = none
   double start_delay_s = 1.0;

@@ -43,6 +43,7 @@ class Cables {
   explicit Cables(const LiveOptions& options) : options_{options}, udp_{options.udp_host} {
     if (!options.imu_pty.empty()) imu_ = std::make_unique<PtyPort>(options.imu_pty);
     if (!options.gps_pty.empty()) gps_ = std::make_unique<PtyPort>(options.gps_pty);
+    if (!options.wheel_pty.empty()) wheel_ = std::make_unique<PtyPort>(options.wheel_pty);
   }
 
   void send(const WireEvent& event) {
@@ -60,6 +61,9 @@ class Cables {
       case Channel::kGps:
         sent = !gps_ || gps_->write(event.bytes);
         break;
+      case Channel::kWheel:
+        sent = !wheel_ || wheel_->write(event.bytes);
+        break;
     }
     unread_ += sent ? 0 : 1;
   }
@@ -68,7 +72,7 @@ class Cables {
  private:
   LiveOptions options_;
   UdpSender udp_;
-  std::unique_ptr<PtyPort> imu_, gps_;
+  std::unique_ptr<PtyPort> imu_, gps_, wheel_;
   std::uint64_t unread_ = 0;
 };
 

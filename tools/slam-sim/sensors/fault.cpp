@@ -12,22 +12,23 @@ struct KindRule {
   std::string_view word;
   FaultKind kind;
   bool needs_value;
-  std::string_view sensors;  // letters l i g of those it exists for
+  std::string_view sensors;  // letters l i g w of those it exists for
 };
-constexpr std::array<KindRule, 9> kKinds{{{"off", FaultKind::kOff, false, "lig"},
-                                          {"gap", FaultKind::kGap, false, "lig"},
-                                          {"stuck", FaultKind::kStuck, false, "lig"},
-                                          {"loss", FaultKind::kLoss, true, "lig"},
-                                          {"corrupt", FaultKind::kCorrupt, true, "lig"},
-                                          {"late", FaultKind::kLate, true, "lig"},
+constexpr std::array<KindRule, 9> kKinds{{{"off", FaultKind::kOff, false, "ligw"},
+                                          {"gap", FaultKind::kGap, false, "ligw"},
+                                          {"stuck", FaultKind::kStuck, false, "ligw"},
+                                          {"loss", FaultKind::kLoss, true, "ligw"},
+                                          {"corrupt", FaultKind::kCorrupt, true, "ligw"},
+                                          {"late", FaultKind::kLate, true, "ligw"},
                                           {"jump", FaultKind::kJump, true, "g"},
-                                          {"clock-jump", FaultKind::kClockJump, true, "li"},
-                                          {"clock-skew", FaultKind::kClockSkew, true, "li"}}};
+                                          {"clock-jump", FaultKind::kClockJump, true, "liw"},
+                                          {"clock-skew", FaultKind::kClockSkew, true, "liw"}}};
 
 std::optional<Channel> sensor_of(std::string_view word) {
   if (word == "lidar") return Channel::kLidar;
   if (word == "imu") return Channel::kImu;
   if (word == "gps") return Channel::kGps;
+  if (word == "wheel") return Channel::kWheel;
   return std::nullopt;
 }
 
@@ -54,12 +55,12 @@ std::string complain(const std::string& text, std::string_view token, const char
 }  // namespace
 
 const char* const kFaultGrammar =
-    "SENSOR:KIND[=VALUE][@START[+DURATION]]   SENSOR: lidar imu gps   times in seconds from the start\n"
+    "SENSOR:KIND[=VALUE][@START[+DURATION]]   SENSOR: lidar imu gps wheel   times in seconds from the start\n"
     "  off, gap         sends nothing                     stuck            repeats its last measurement\n"
     "  loss=P           loses each packet with chance P   corrupt=P        damages each byte with chance P\n"
     "  late=S           arrives S seconds later           jump=M           gps only: M metres off, claiming a good "
     "fix\n"
-    "  clock-jump=MS    lidar, imu: clock set by MS ms    clock-skew=PPM   lidar, imu: clock runs PPM faster\n"
+    "  clock-jump=MS    not gps: clock set by MS ms        clock-skew=PPM   not gps: clock runs PPM faster\n"
     "  e.g. lidar:loss=0.02  imu:gap@60+2  gps:jump=30@50+20  lidar:clock-jump=250@60";
 
 std::variant<Fault, std::string> parse_fault(const std::string& text) {
@@ -69,7 +70,7 @@ std::variant<Fault, std::string> parse_fault(const std::string& text) {
   const auto value = cut(head, '=');
   const auto word = cut(head, ':');
   const auto sensor = sensor_of(head);
-  if (!sensor) return complain(text, head, "is no sensor (lidar, imu, gps)");
+  if (!sensor) return complain(text, head, "is no sensor (lidar, imu, gps, wheel)");
   fault.sensor = *sensor;
   const KindRule* rule = nullptr;
   for (const KindRule& candidate : kKinds) {

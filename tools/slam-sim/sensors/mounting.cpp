@@ -14,6 +14,13 @@ VehicleGeometry reference_vehicle() {
   return vehicle;
 }
 
+VehicleGeometry turtlebot3_burger() {
+  VehicleGeometry vehicle;
+  vehicle.T_base_lidar.translation = {-0.032, 0.0, 0.182};
+  vehicle.T_base_imu.translation = {-0.032, 0.0, 0.078};
+  return vehicle;
+}
+
 VehicleGeometry Mounting::actual() const {
   VehicleGeometry out = told;
   if (!lidar_tilt_rad.isZero()) out.T_base_lidar.rotation = told.T_base_lidar.rotation * from_roll_pitch_yaw(lidar_tilt_rad);

@@ -78,6 +78,13 @@ SensorClock imu_clock(const DriveSpec& spec) {
   return clock;
 }
 
+SensorClock wheel_clock(const DriveSpec& spec) {
+  Rng rng{spec.seed, Stream::kWheelUnit, 1};
+  SensorClock clock{rng.uniform(5.0, 500.0), spec.wheel.clock_skew_ppm};
+  apply_clock_faults(spec.faults, Channel::kWheel, clock);
+  return clock;
+}
+
 /// Runs job(0..count-1) on several threads; which thread takes which index does not matter to the result.
 template <class Job>
 void in_parallel(int threads, std::size_t count, const Job& job) {
@@ -92,6 +99,10 @@ void in_parallel(int threads, std::size_t count, const Job& job) {
 
 }  // namespace
 
+const char* name(LidarKind kind) {
+  return kind == LidarKind::kLaserScan ? "laser_scan" : "vlp16";
+}
+
 struct Simulation::Parts {
   explicit Parts(const DriveSpec& wanted)
       : spec{wanted},
@@ -101,9 +112,11 @@ struct Simulation::Parts {
         traffic{world, trajectory, path, wanted.crowd, wanted.seed},
         vehicle{wanted.mounting.actual()},
         lidar{wanted.lidar, {world, traffic, trajectory, vehicle}, lidar_clock(wanted), wanted.seed},
+        planar_lidar{wanted.planar_lidar, {world, traffic, trajectory, vehicle}, wanted.seed},
         position{wanted.lidar, wanted.gps, trajectory, lidar_clock(wanted), wanted.seed},
         imu{wanted.imu, trajectory, vehicle.T_base_imu, imu_clock(wanted), wanted.seed},
         gps{wanted.gps, trajectory, vehicle.p_base_antenna, wanted.seed},
+        wheel{wanted.wheel, trajectory, wheel_clock(wanted), wanted.seed},
         injector{wanted.faults, wanted.seed} {
     if (spec.threads <= 0) spec.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     for (const Fault& fault : spec.faults) {
@@ -116,6 +129,11 @@ struct Simulation::Parts {
   }
   std::vector<WireEvent> take_lidar(double until);
   std::vector<WireEvent> take_position(double until);
+  /// Events of a sensor that makes them one by one.
+  template <class Sensor>
+  void take(Sensor& sensor, double until) {
+    while (auto event = sensor.next(until)) admit({std::move(*event)});
+  }
   void admit(std::vector<WireEvent> events);
   std::vector<WireEvent> release(std::int64_t until_ns);
 
@@ -126,9 +144,11 @@ struct Simulation::Parts {
   Traffic traffic;
   VehicleGeometry vehicle;
   LidarSensor lidar;
+  PlanarLidarSensor planar_lidar;
   PositionSensor position;
   ImuSensor imu;
   GpsSensor gps;
+  WheelSensor wheel;
   FaultInjector injector;
   std::vector<WireEvent> pending;
   std::array<std::int64_t, kChannels> last_arrival_ns{};
@@ -181,15 +201,14 @@ Simulation::~Simulation() = default;
 std::vector<WireEvent> Simulation::next_slice() {
   Parts& p = *parts_;
   p.time = std::min(p.time + kSlice, p.duration());
-  if (p.spec.with_lidar) {
+  if (p.spec.with_lidar && p.spec.lidar_kind == LidarKind::kLaserScan) {
+    p.take(p.planar_lidar, p.time);
+  } else if (p.spec.with_lidar) {
     p.admit(p.take_lidar(p.time));
     p.admit(p.take_position(p.time));
   }
-  while (p.spec.with_imu) {
-    auto frame = p.imu.next(p.time);
-    if (!frame) break;
-    p.admit({std::move(*frame)});
-  }
+  if (p.spec.with_imu) p.take(p.imu, p.time);
+  if (p.spec.with_wheel) p.take(p.wheel, p.time);
   while (p.spec.with_gps) {
     auto sentences = p.gps.next(p.time);
     if (sentences.empty()) break;

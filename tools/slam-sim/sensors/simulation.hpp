@@ -10,6 +10,8 @@
 #include "tools/slam-sim/sensors/imu_sensor.hpp"
 #include "tools/slam-sim/sensors/lidar_sensor.hpp"
 #include "tools/slam-sim/sensors/mounting.hpp"
+#include "tools/slam-sim/sensors/planar_lidar_sensor.hpp"
+#include "tools/slam-sim/sensors/wheel_sensor.hpp"
 
 namespace slamd::sim {
 
@@ -27,6 +29,10 @@ struct CourseSpec {
   Wobble wobble;
 };
 
+/// Named as in vehicle.yaml.
+enum class LidarKind { kVlp16, kLaserScan };
+const char* name(LidarKind kind);
+
 struct DriveSpec {
   WorldKind world = WorldKind::kCampus;
   CourseSpec course;
@@ -34,10 +40,13 @@ struct DriveSpec {
   int crowd = 0;
   double max_duration_s = 0.0;  // 0 = until the course ends
   int threads = 0;              // 0 = one per core; without influence on the bytes
-  bool with_lidar = true, with_imu = true, with_gps = true;
+  bool with_lidar = true, with_imu = true, with_gps = true, with_wheel = false;
+  LidarKind lidar_kind = LidarKind::kVlp16;
   LidarModel lidar;
+  PlanarLidarModel planar_lidar;
   ImuModel imu;
   GpsModel gps;
+  WheelModel wheel;
   std::vector<Fault> faults;
   Mounting mounting;
 };

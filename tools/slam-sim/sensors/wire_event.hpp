@@ -6,8 +6,8 @@
 
 namespace slamd::sim {
 
-enum class Channel : std::uint8_t { kLidar, kPosition, kImu, kGps };
-inline constexpr int kChannels = 4;
+enum class Channel : std::uint8_t { kLidar, kPosition, kImu, kGps, kWheel };
+inline constexpr int kChannels = 5;
 
 /// Times are nanoseconds from the start of the drive.
 struct WireEvent {

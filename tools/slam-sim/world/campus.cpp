@@ -1,5 +1,5 @@
 // Two blocks within a street, with buildings, trees, cars, poles and hedges: the campus of gently rolling ground, 900 m round,
-// and a hilly one, 3 km round.
+// extensive grounds, 1.8 km round, and a hilly town, 3 km round.
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +21,7 @@ struct Plan {
 };
 
 constexpr Plan kCampus{312.0, 156.0, 0.9, 70.0, 260.0, 120};
+constexpr Plan kGrounds{560.0, 363.0, 0.9, 90.0, 300.0, 350};
 constexpr Plan kHills{1000.0, 500.0, 7.0, 250.0, 800.0, 600};
 
 constexpr double kMargin = 75.0;
@@ -154,6 +155,8 @@ World make_blocks(std::uint64_t seed, const Plan& plan) {
 }  // namespace
 
 World make_campus(std::uint64_t seed) { return make_blocks(seed, kCampus); }
+
+World make_grounds(std::uint64_t seed) { return make_blocks(seed, kGrounds); }
 
 World make_hills(std::uint64_t seed) { return make_blocks(seed, kHills); }
 

@@ -19,7 +19,10 @@ enum class Stream : std::uint64_t {
   kImu,
   kImuUnit,
   kGps,
-  kFault
+  kFault,
+  kPlanarLidar,
+  kWheel,
+  kWheelUnit
 };
 
 /// SplitMix64 (Steele et al. 2014) keyed by a hash of its address: a few ns a draw, cheap to construct per packet.

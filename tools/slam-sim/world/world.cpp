@@ -14,6 +14,10 @@ World make_world(WorldKind kind, std::uint64_t seed) {
       return make_urban(seed);
     case WorldKind::kHills:
       return make_hills(seed);
+    case WorldKind::kGrounds:
+      return make_grounds(seed);
+    case WorldKind::kHouse:
+      return make_house(seed);
     case WorldKind::kCampus:
       break;
   }

@@ -36,13 +36,15 @@ struct World {
   }
 };
 
-enum class WorldKind { kCampus, kCorridor, kParking, kOpenField, kUrban, kHills };
+enum class WorldKind { kCampus, kCorridor, kParking, kOpenField, kUrban, kHills, kGrounds, kHouse };
 
 /// Procedural and repeatable: the same kind and seed give the same world. Throws nothing; takes up to a second.
 World make_world(WorldKind kind, std::uint64_t seed);
 
 World make_campus(std::uint64_t seed);
 World make_hills(std::uint64_t seed);
+World make_grounds(std::uint64_t seed);
+World make_house(std::uint64_t seed);
 World make_corridor(std::uint64_t seed);
 World make_parking(std::uint64_t seed);
 World make_open_field(std::uint64_t seed);
