@@ -1,5 +1,7 @@
 #include "daemon/config/config.hpp"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 namespace slamd {
@@ -58,6 +60,9 @@ ConfigChanges changes(const Config& running, const Config& wanted) {
 Loaded<DriveVehicle> load_drive_vehicle(const std::string& path) {
   Loaded<DriveVehicle> loaded{{}, {}};
   loaded.faults = read_yaml_file(path, drive_vehicle_fields(loaded.value));
+  constexpr std::array kModels{"vlp16", "airy", "rplidar_a2", "laser_scan"};
+  if (std::ranges::find(kModels, loaded.value.lidar_model) == kModels.end())
+    loaded.faults.push_back(path + ":0: lidar_model: must be vlp16, airy, rplidar_a2 or laser_scan");
   return loaded;
 }
 

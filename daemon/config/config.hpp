@@ -57,6 +57,7 @@ std::vector<Field> config_fields(Config& config);
 struct DriveVehicle {
   VehicleGeometry geometry = reference_vehicle();
   bool lidar_vertical_offsets = false;
+  std::string lidar_model = "vlp16";  // vlp16, airy, rplidar_a2 or laser_scan: which of the drive's files has the LiDAR
 };
 std::vector<Field> drive_vehicle_fields(DriveVehicle& vehicle);
 
@@ -79,7 +80,7 @@ struct ConfigChanges {
 ConfigChanges changes(const Config& running, const Config& wanted);
 
 /// vehicle.yaml of a drive folder: T_base_lidar, T_base_imu (translation_m, rotation_quat_xyzw), p_base_antenna,
-/// lidar_vertical_offsets. Keys that it does not have keep the value of a default DriveVehicle.
+/// lidar_vertical_offsets, lidar_model. Keys that it does not have keep the value of a default DriveVehicle.
 Loaded<DriveVehicle> load_drive_vehicle(const std::string& path);
 
 /// The configuration as a slamd.yaml that documents every key; of a default Config this is config/slamd.yaml.

@@ -233,6 +233,7 @@ Fields vehicle_fields(VehicleGeometry& v, const std::string& prefix) {
 Fields drive_vehicle_fields(DriveVehicle& v) {
   Fields fields = vehicle_fields(v.geometry, "");
   fields.push_back({"lidar_vertical_offsets", &v.lidar_vertical_offsets, "", {}, "see lidar.vertical_offsets of slamd.yaml"});
+  fields.push_back({"lidar_model", &v.lidar_model, "", kSomeText, "vlp16, airy, rplidar_a2 or laser_scan"});
   return fields;
 }
 

@@ -145,6 +145,17 @@ TEST(Config, ChangesAreToldApartByWhatARunningDaemonCanTakeOver) {
   EXPECT_EQ(found.fixed, std::vector<std::string>{"lidar.port"});
 }
 
+TEST(Config, TheLidarOfADriveFolderIsOneOfFour) {
+  const std::string path = testing::TempDir() + "lidar_model_" + std::to_string(::getpid()) + ".yaml";
+  std::ofstream{path} << "lidar_model: laser_scan\n";
+  EXPECT_EQ(load_drive_vehicle(path).faults, ConfigFaults{});
+  EXPECT_EQ(load_drive_vehicle(path).value.lidar_model, "laser_scan");
+  std::ofstream{path} << "lidar_model: sonar\n";
+  ASSERT_EQ(load_drive_vehicle(path).faults.size(), 1U);
+  EXPECT_NE(load_drive_vehicle(path).faults[0].find(path + ":0: lidar_model: must be"), std::string::npos);
+  std::filesystem::remove(path);
+}
+
 TEST(Config, ADriveFoldersVehicleFileIsRead) {
   const std::string path = SLAMD_SHARED_DATA "/drive_sample/vehicle.yaml";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";

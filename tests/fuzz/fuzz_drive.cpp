@@ -18,7 +18,8 @@ using namespace slamd;
 using namespace slamd::replay;
 
 // One letter each; the input is a chain of letter, length of two bytes, content. What follows the chain is of no file.
-constexpr std::array<const char*, 6> kNames{"lidar.pcap", "imu.csv", "gps.csv", "imu.pcap", "gps.pcap", "scan_shares.csv"};
+constexpr std::array<const char*, 8> kNames{"lidar.pcap", "imu.csv", "gps.csv", "imu.pcap", "gps.pcap", "scan_shares.csv", "scan.csv",
+                                          "wheel.csv"};
 constexpr std::size_t kEvents = 2'000'000;  // far more than bytes can bring: a drive that does not end
 
 void require(bool holds) {
@@ -77,7 +78,13 @@ struct Add {
     sums.total += fix->latitude_deg;
   }
   void operator()(const WheelOdometry* wheel) const { require(std::isfinite(wheel->x_m) && std::isfinite(wheel->yaw_rad)); }
-  void operator()(const LaserScan* scan) const { sums.total += static_cast<double>(scan->beams.size()); }
+  void operator()(const LaserScan* scan) const {
+    require(!scan->beams.empty() && scan->time <= scan->arrival);
+    for (const LaserBeam& beam : scan->beams) {
+      require(std::isfinite(beam.angle_rad) && beam.range_m >= 0.0F && beam.range_m <= scan->range_max_m && beam.time_s >= 0.0F);
+      sums.total += static_cast<double>(beam.range_m);
+    }
+  }
 };
 
 Sums read(const std::string& folder) {

@@ -62,6 +62,18 @@ Mapper make_mapper(const BackEndConfig& config, const VehicleGeometry& vehicle, 
                 std::move(positions)};
 }
 
+/// The first bad line of every table of the drive.
+void tell_bad_lines(const replay::Sensors& sensors) {
+  const auto tell = [](const auto& stream) {
+    if (!stream) return;
+    const std::string complaint = stream->report().complaint;
+    if (!complaint.empty()) std::fprintf(stderr, "slam-replay: %s\n", complaint.c_str());
+  };
+  tell(sensors.gnss);
+  tell(sensors.wheel);
+  tell(sensors.laser);
+}
+
 int run(const Options& options) {
   const std::string recorded_config = options.drive + "/slamd.yaml";
   const bool take_recorded = options.config.empty() && std::filesystem::exists(recorded_config);
@@ -101,6 +113,7 @@ int run(const Options& options) {
   }
   progress.finish(std::to_string(report.scans) + " scans, " + std::to_string(report.map_points) +
                   " map points, written to " + options.out);
+  tell_bad_lines(drive.sensors());
   if (report.scans == 0) {
     std::fprintf(stderr, "slam-replay: %s: no pose came out of it: no LiDAR, or less than a second of it (report.json has the counts)\n",
                  options.drive.c_str());

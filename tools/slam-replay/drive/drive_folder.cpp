@@ -50,6 +50,9 @@ Sensors open_drive_folder(const std::string& folder, const DriverConfigs& config
   sensors.lidar = open_lidar_capture(folder + "/lidar.pcap", config);
   sensors.imu = open<ImuWireStream, ImuTableStream, ImuSample>(folder + "/imu", config.imu_frames, config.imu_clock);
   sensors.gnss = open<GnssWireStream, GpsTableStream, GnssFix>(folder + "/gps", config.nmea, config.nmea);
+  if (std::filesystem::exists(folder + "/wheel.csv"))
+    sensors.wheel = std::make_unique<WheelTableStream>(folder + "/wheel.csv", WheelTrackConfig::defaults());
+  if (!sensors.lidar && std::filesystem::exists(folder + "/scan.csv")) sensors.laser = std::make_unique<ScanTableStream>(folder + "/scan.csv");
   sensors.scan_shares = read_shares(folder + "/scan_shares.csv");
   return sensors;
 }

@@ -7,7 +7,7 @@
 
 namespace slamd::replay {
 
-/// Any of lidar.pcap, imu.csv, gps.csv may be missing. Of a recording of slamd there are imu.pcap and gps.pcap instead, the
+/// Any of lidar.pcap (or scan.csv in its place), imu.csv, gps.csv, wheel.csv may be missing. Of a recording of slamd there are imu.pcap and gps.pcap instead, the
 /// bytes of the serial ports: with them every event is as it was live, to the last bit.
 Sensors open_drive_folder(const std::string& folder, const DriverConfigs& config);
 

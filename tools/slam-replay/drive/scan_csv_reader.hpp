@@ -22,9 +22,9 @@ class ScanCsvReader {
   /// `lines` must outlive the reader.
   explicit ScanCsvReader(std::istream& lines) : lines_{lines} {}
 
-  /// The next scan, or null at the end; valid until the next call. Bad lines are counted and skipped. Arrivals increase, unless
+  /// The next scan, or nothing at the end. Bad lines are counted and skipped. Arrivals increase, unless
   /// the host's clock was set back by more than a second.
-  const LaserScan* next();
+  std::optional<LaserScan> next();
 
   const BadLines& bad_lines() const { return bad_lines_; }
 
@@ -34,7 +34,6 @@ class ScanCsvReader {
   std::istream& lines_;
   std::string line_;
   std::uint64_t line_number_ = 0;
-  LaserScan scan_;
   std::optional<HostTime> newest_arrival_;
   BadLines bad_lines_;
 };

@@ -15,7 +15,16 @@ void tell(const ImuCsvReader& reader, StreamReport& report) {
 
 void tell(const GpsCsvReader& reader, StreamReport& report) {
   tell(reader.parser(), report);
-  report.rejections.push_back({"gps", "bad_lines", reader.bad_lines()});
+  report.rejections.push_back({"gps", "bad_lines", reader.bad_lines().count});
+}
+
+void tell(const WheelCsvReader& reader, StreamReport& report) {
+  tell(reader.parser(), report);
+  report.rejections.push_back({"wheel", "bad_lines", reader.bad_lines().count});
+}
+
+void tell(const ScanCsvReader& reader, StreamReport& report) {
+  report.rejections.push_back({"laser", "bad_lines", reader.bad_lines().count});
 }
 
 }  // namespace slamd::replay

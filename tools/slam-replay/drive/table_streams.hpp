@@ -1,12 +1,14 @@
 #pragma once
-// The tables of a drive folder, imu.csv and gps.csv, as streams. It is not for recorded bytes: those are in wire_streams.hpp.
+// The tables of a drive folder (imu.csv, gps.csv, wheel.csv, scan.csv) as streams. It is not for recorded bytes: those are in wire_streams.hpp.
 
 #include <fstream>
 #include <optional>
 #include <string>
 
 #include "drivers/imu/imu_csv_reader.hpp"
-#include "tools/slam-replay/drive/gps_csv_reader.hpp"
+#include "drivers/wheel/wheel_parser.hpp"
+#include "tools/slam-replay/drive/scan_csv_reader.hpp"
+#include "tools/slam-replay/drive/sentence_csv_reader.hpp"
 #include "tools/slam-replay/drive/stream.hpp"
 
 namespace slamd::replay {
@@ -16,8 +18,8 @@ template <class Reader, class Item>
 class TableStream : public Stream<Item> {
  public:
   /// The file must be there.
-  template <class Config>
-  TableStream(const std::string& path, const Config& config) : file_{path}, reader_{file_, config} {
+  template <class... Config>
+  explicit TableStream(const std::string& path, const Config&... config) : path_{path}, file_{path}, reader_{file_, config...} {
     file_.seekg(0, std::ios::end);
     bytes_ = file_.tellg();
     file_.seekg(0);
@@ -32,6 +34,9 @@ class TableStream : public Stream<Item> {
     StreamReport report;
     report.items = given_;
     tell(reader_, report);
+    if constexpr (requires { reader_.bad_lines(); }) {
+      if (reader_.bad_lines().count > 0) report.complaint = reader_.bad_lines().text(path_);
+    }
     return report;
   }
   double progress() const override {
@@ -40,6 +45,7 @@ class TableStream : public Stream<Item> {
   }
 
  private:
+  std::string path_;
   mutable std::ifstream file_;
   Reader reader_;
   std::optional<Item> item_;
@@ -47,10 +53,17 @@ class TableStream : public Stream<Item> {
   std::uint64_t given_ = 0;
 };
 
+using GpsCsvReader = SentenceCsvReader<NmeaParser, GnssFix>;
+using WheelCsvReader = SentenceCsvReader<WheelParser, WheelOdometry>;
+
 void tell(const ImuCsvReader& reader, StreamReport& report);
 void tell(const GpsCsvReader& reader, StreamReport& report);
+void tell(const WheelCsvReader& reader, StreamReport& report);
+void tell(const ScanCsvReader& reader, StreamReport& report);
 
 using ImuTableStream = TableStream<ImuCsvReader, ImuSample>;
 using GpsTableStream = TableStream<GpsCsvReader, GnssFix>;
+using WheelTableStream = TableStream<WheelCsvReader, WheelOdometry>;
+using ScanTableStream = TableStream<ScanCsvReader, LaserScan>;
 
 }  // namespace slamd::replay

@@ -25,6 +25,18 @@ void tell(const NmeaParser& parser, StreamReport& report) {
   report.rejections.push_back({"gps", "stale", parser.stats().stale});
 }
 
+void tell(const WheelParser& parser, StreamReport& report) {
+  const CheckedLineStats& lines = parser.line_stats();
+  report.resets = parser.track_stats().restarts;
+  report.rejections.push_back({"wheel", "bad_checksum", lines.bad_checksum});
+  report.rejections.push_back({"wheel", "no_checksum", lines.no_checksum});
+  report.rejections.push_back({"wheel", "broken", lines.broken});
+  report.rejections.push_back({"wheel", "too_long", lines.too_long});
+  report.rejections.push_back({"wheel", "malformed", parser.stats().malformed});
+  parser.track_stats().rejections.for_each(
+      [&](const char* cause, std::uint64_t count) { report.rejections.push_back({"wheel", cause, count}); });
+}
+
 const LidarPacket* Vlp16Stream::next() {
   while (const UdpPacket* read = reads_->next()) {
     if (read->destination_port != 0 && read->destination_port != port_) continue;

@@ -9,6 +9,7 @@
 #include "drivers/gnss/nmea_parser.hpp"
 #include "drivers/imu/imu_frame_parser.hpp"
 #include "drivers/velodyne/vlp16_decoder.hpp"
+#include "drivers/wheel/wheel_parser.hpp"
 #include "tools/slam-replay/drive/read_source.hpp"
 
 namespace slamd::replay {
@@ -16,6 +17,7 @@ namespace slamd::replay {
 /// What the parsers say of themselves, as a stream says it.
 void tell(const ImuFrameParser& parser, StreamReport& report);
 void tell(const NmeaParser& parser, StreamReport& report);
+void tell(const WheelParser& parser, StreamReport& report);
 
 /// A serial port. Parser: one with feed(bytes, arrival, sink) and a tell() above. Item: what it makes.
 template <class Parser, class Item>
