@@ -100,7 +100,8 @@ class SlamSim(unittest.TestCase):
     def test_bad_command_lines_name_what_is_bad(self):
         for arguments, token in ((["--out", "x", "--fault", "lidar:melt"], "melt"), (["--out", "x", "--world", "moon"], "moon"),
                                  (["--out", "x", "--rpm", "100"], "100"), ([], "--out"), (["--live", "--out", "x"], "--out"),
-                                 (["--out", "/proc/none/x"], "/proc/none/x"), (["--out", "x", "--gps-sentences", "GGA,XYZ"], "XYZ")):
+                                 (["--out", "/proc/none/x"], "/proc/none/x"), (["--out", "x", "--gps-sentences", "GGA,XYZ"], "XYZ"),
+                                 (["--live", "--scenario", "house"], "no wire that slamd reads")):
             done = subprocess.run([PROGRAM] + arguments, capture_output=True, text=True)
             self.assertNotEqual(done.returncode, 0, arguments)
             self.assertIn(token, done.stderr, arguments)
@@ -116,6 +117,19 @@ class SlamSim(unittest.TestCase):
             self.assertIn("[1.000000, 2.000000, 3.000000]", vehicles[0])
             self.assertIn("[0.000000000000, 0.000000000000, 0.707106781187, 0.707106781187]", vehicles[0])
             self.assertEqual(vehicles[0], vehicles[1])
+
+    def test_the_house_is_a_folder_of_scans_and_wheels(self):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([PROGRAM, "--out", folder, "--scenario", "house", "--duration", "3", "--quiet"], check=True)
+            self.assertEqual(sorted(os.listdir(folder)), ["imu.csv", "scan.csv", "truth.tum", "vehicle.yaml", "wheel.csv"])
+            with open(folder + "/scan.csv", encoding="ascii") as scans:
+                lines = scans.read().splitlines()
+            self.assertEqual(lines[0], "t_ns,angle_begin_rad,angle_step_rad,beam_s,range_max_m,ranges_m")
+            self.assertEqual([len(line.split(";")) for line in lines[1:]], [360] * 15)
+            with open(folder + "/vehicle.yaml", encoding="ascii") as vehicle:
+                self.assertIn("lidar_model: laser_scan", vehicle.read())
+            subprocess.run([PROGRAM, "--out", folder, "--duration", "1", "--wheel", "--no-imu", "--no-gps", "--quiet"], check=True)
+            self.assertEqual(sorted(os.listdir(folder)), ["lidar.pcap", "truth.tum", "vehicle.yaml", "wheel.csv"])
 
     def test_help_explains_scenarios_and_faults(self):
         text = subprocess.run([PROGRAM, "--help"], capture_output=True, text=True, check=True).stdout

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "drivers/gnss/nmea_parser.hpp"
 #include "drivers/imu/imu_csv_reader.hpp"
 #include "drivers/wheel/wheel_parser.hpp"
 #include "tools/slam-replay/drive/scan_csv_reader.hpp"
