@@ -7,8 +7,10 @@ import json
 import os
 import subprocess
 import sys
+import termios
 import threading
 import time
+import tty
 
 from imu_frames import frame
 
@@ -19,6 +21,7 @@ PATIENCE_S = 240.0  # a second of a processor may take this machine twenty
 SOME_FRAMES = 1000   # whether they come punctually says nothing here: the board's thread has to share this machine
 SETTLED_S = 5.0      # after it nothing starts any more
 DROP_IN = "[Service]\nTimeoutStartSec=300s\nWatchdogSec=0\n"
+NOT_TRACKING = 4     # slamctl's exit code: no LiDAR is here
 CONFIG = 'imu:\n  device: /dev/slamd-imu\ngnss:\n  device: ""\n'
 
 
@@ -36,8 +39,11 @@ def write(path, text):
         file.write(text)
 
 
-def without_waiting(path, flags):
-    return os.open(path, flags | os.O_NOCTTY | os.O_NONBLOCK)
+def raw_without_waiting(path, flags):
+    """A gadget's port is a terminal like any other: it would send CR LF where a frame has a byte of the value of LF."""
+    port = os.open(path, flags | os.O_NOCTTY | os.O_NONBLOCK)
+    tty.setraw(port)
+    return port
 
 
 def await_value(attempt, timeout_s=PATIENCE_S):
@@ -78,14 +84,15 @@ class Board:
             sequence += BATCH
             time.sleep(max(0.0, begin + sequence * FRAME_S - time.monotonic()))
             frames = b"".join(frame(n, round(1e6 * n * FRAME_S)) for n in range(sequence - BATCH, sequence))
-            with contextlib.suppress(OSError), open("/dev/ttyGS0", "wb", buffering=0, opener=without_waiting) as port:
+            with contextlib.suppress(OSError, termios.error), open("/dev/ttyGS0", "wb", buffering=0, opener=raw_without_waiting) as port:
                 port.write(frames)
 
 
 def imu():
     """What the daemon says of the board; nothing as long as it says nothing."""
     answer = run("slamctl", "status", "--json")
-    return json.loads(answer.stdout)["health"]["sources"]["imu"] if answer.returncode == 0 else {"state": "unknown", "received": 0}
+    answered = answer.returncode in (0, NOT_TRACKING)
+    return json.loads(answer.stdout)["health"]["sources"]["imu"] if answered else {"state": "unknown", "received": 0}
 
 
 def has_read(frames):
