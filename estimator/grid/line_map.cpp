@@ -1,0 +1,76 @@
+#include "estimator/grid/line_map.hpp"
+
+#include <cmath>
+
+namespace slamd {
+
+struct LineMap::Moments {
+  double count = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;  // from the middle cell's centre
+};
+
+void LineMap::add(std::span<const Eigen::Vector2f> points, const PlanarPose& T_map_base) {
+  const Eigen::Matrix2d R = T_map_base.rotation();
+  for (const Eigen::Vector2f& point : points) {
+    const Eigen::Vector2d p = R * point.cast<double>() + T_map_base.translation;
+    const Eigen::Vector2i index = cells_.cell_of(p);
+    const Eigen::Vector2f d = (p - cells_.centre(index.x(), index.y())).cast<float>();
+    Cell& cell = cells_.at(index.x(), index.y());
+    cell.count += 1.0F;
+    cell.x += d.x();
+    cell.y += d.y();
+    cell.xx += d.x() * d.x();
+    cell.xy += d.x() * d.y();
+    cell.yy += d.y() * d.y();
+  }
+}
+
+LineMap::Moments LineMap::gather(const Eigen::Vector2i& middle, int reach) const {
+  Moments sum;
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      const Cell* cell = cells_.find(middle.x() + dx, middle.y() + dy);
+      if (cell == nullptr || cell->count == 0.0F) continue;
+      const double ox = dx * cells_.cell_m();
+      const double oy = dy * cells_.cell_m();
+      const double n = cell->count;
+      sum.count += n;
+      sum.x += cell->x + n * ox;
+      sum.y += cell->y + n * oy;
+      sum.xx += cell->xx + 2.0 * ox * cell->x + n * ox * ox;
+      sum.xy += cell->xy + ox * cell->y + oy * cell->x + n * ox * oy;
+      sum.yy += cell->yy + 2.0 * oy * cell->y + n * oy * oy;
+    }
+  }
+  return sum;
+}
+
+bool LineMap::fit(const Moments& m, const Eigen::Vector2d& centre, WallLine& line) const {
+  if (m.count < config_.least_points) return false;
+  const double mx = m.x / m.count;
+  const double my = m.y / m.count;
+  const double cxx = m.xx / m.count - mx * mx;
+  const double cxy = m.xy / m.count - mx * my;
+  const double cyy = m.yy / m.count - my * my;
+  const double half = 0.5 * (cxx - cyy);
+  const double root = std::hypot(half, cxy);
+  const double along = 0.5 * (cxx + cyy) + root;
+  const double across = std::max(0.0, 0.5 * (cxx + cyy) - root);
+  // Few points lie on a line by chance: what a point's own noise would put there counts as two of them.
+  const double noise = config_.point_sigma_m * config_.point_sigma_m;
+  const double variance = (across * m.count + 2.0 * noise) / m.count;
+  if (along < noise || variance > config_.most_thickness * config_.most_thickness * along) return false;
+  const double angle = 0.5 * std::atan2(cxy, half);  // of the line's direction
+  line.mean = centre + Eigen::Vector2d{mx, my};
+  line.normal = {-std::sin(angle), std::cos(angle)};
+  line.variance_m2 = variance + noise;
+  line.normal_variance = (variance + noise) / (m.count * along);
+  return true;
+}
+
+bool LineMap::line_at(const Eigen::Vector2d& p_map, WallLine& line) const {
+  const Eigen::Vector2i middle = cells_.cell_of(p_map);
+  const Eigen::Vector2d centre = cells_.centre(middle.x(), middle.y());
+  return fit(gather(middle, 1), centre, line) || fit(gather(middle, 2), centre, line);
+}
+
+}  // namespace slamd

@@ -1,0 +1,35 @@
+#include "estimator/grid/local_map.hpp"
+
+namespace slamd {
+
+LocalMap::LocalMap(const LocalMapConfig& config)
+    : config_{config},
+      maps_{Part{LineMap{config.lines}, LikelihoodPyramid{config.likelihood}},
+            Part{LineMap{config.lines}, LikelihoodPyramid{config.likelihood}}} {}
+
+void LocalMap::Part::clear() {
+  lines.clear();
+  likelihood.clear();
+  way_m = 0.0;
+}
+
+void LocalMap::add(std::span<const Eigen::Vector2f> points, const PlanarPose& T_odom_base, double way_m) {
+  for (Part& part : maps_) part.way_m += way_m;
+  if (maps_[0].way_m >= config_.length_m && has_second_) {
+    std::swap(maps_[0], maps_[1]);
+    maps_[1].clear();
+  }
+  has_second_ = maps_[0].way_m >= 0.5 * config_.length_m;
+  if (!has_second_) maps_[1].way_m = 0.0;
+  for (std::size_t i = 0; i < (has_second_ ? 2U : 1U); ++i) {
+    maps_[i].lines.add(points, T_odom_base);
+    maps_[i].likelihood.add(points, T_odom_base);
+  }
+}
+
+void LocalMap::clear() {
+  for (Part& part : maps_) part.clear();
+  has_second_ = false;
+}
+
+}  // namespace slamd

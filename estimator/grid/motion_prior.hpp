@@ -1,0 +1,71 @@
+#pragma once
+// Where the vehicle should be by now, from the newest estimate: wheels for the way and the gyro for the turn, each as far as
+// there, else the velocity goes on. It sees no scan; who matched one tells it the result.
+
+#include <deque>
+#include <optional>
+
+#include "estimator/grid/line_matcher.hpp"
+#include "estimator/grid/planar_motion.hpp"
+#include "estimator/types/time.hpp"
+#include "estimator/types/wheel_odometry.hpp"
+
+namespace slamd {
+
+struct MotionPriorConfig {
+  double accel_mps2 = 2.0;            // by which the velocity may change, without wheels
+  double turn_accel_rads2 = 2.0;      // likewise the turn rate, without gyro and wheels
+  double wheel_slip = 0.1;            // of the way that the wheels tell
+  double wheel_turn_slip = 0.15;      // of the turn that they tell
+  double wheel_turn_rad_m = 0.02;     // turn that they do not tell, a metre
+  double gyro_rads = 0.005;           // beyond its bias
+  double least_sigma_m = 0.005;       // of any prior
+  double least_sigma_rad = 0.001;
+};
+
+class MotionPrior {
+ public:
+  explicit MotionPrior(const MotionPriorConfig& config) : config_{config} {}
+
+  void add(const WheelOdometry& wheels);
+  /// yaw_rate  about the vertical, rad/s, bias included
+  void add_turn(HostTime time, double yaw_rate_rads);
+
+  struct Prediction {
+    PlanarMotion motion;      // T_odom_base from begin to end, its seconds count from end
+    PlanarPrior prior;        // at end
+    double from_s = 0.0;      // time since the newest estimate
+  };
+  /// begin <= end; at least one estimate() before.
+  Prediction predict(HostTime begin, HostTime end) const;
+
+  /// A scan told where the vehicle is. is_measured: false = only predicted; velocity and bias then stay.
+  void estimate(HostTime time, const PlanarPose& T_odom_base, bool is_measured);
+
+  bool has_estimate() const { return time_ != HostTime{}; }
+  HostTime time() const { return time_; }
+  const PlanarPose& pose() const { return T_odom_base_; }
+  /// Of base in base: x, y (m/s), yaw (rad/s).
+  const Eigen::Vector3d& velocity() const { return velocity_; }
+
+ private:
+  struct Turn {
+    HostTime time;
+    double yaw_rad, rate_rads;  // turned since the first sample
+  };
+  std::optional<double> turned(HostTime time) const;
+  std::optional<PlanarPose> wheels_at(HostTime time) const;
+  PlanarPose relative(HostTime time) const;
+  Eigen::Matrix3d information(HostTime end, const PlanarPose& way) const;
+  void learn_bias(HostTime time, const PlanarPose& T_odom_base);
+
+  MotionPriorConfig config_;
+  std::deque<WheelOdometry> wheels_;
+  std::deque<Turn> turns_;
+  HostTime time_{};
+  PlanarPose T_odom_base_;
+  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
+  double bias_rads_ = 0.0, bias_sigma_rads_ = 0.02;
+};
+
+}  // namespace slamd

@@ -1,0 +1,96 @@
+#pragma once
+// The front end in the plane: wheels, IMU and scans in, one pose a scan and keyframes out, in `odom`, which never jumps. Loops
+// and the map are planar_mapper's.
+
+#include <optional>
+
+#include "estimator/grid/correlative_matcher.hpp"
+#include "estimator/grid/line_matcher.hpp"
+#include "estimator/grid/local_map.hpp"
+#include "estimator/grid/motion_prior.hpp"
+#include "estimator/grid/scan_2d.hpp"
+#include "estimator/grid/tilt.hpp"
+#include "estimator/types/nav_state.hpp"
+
+namespace slamd {
+
+struct PlanarOdometryConfig {
+  Scan2dConfig scan;
+  TiltConfig tilt;
+  MotionPriorConfig motion;
+  LocalMapConfig local_map;
+  LineMatcherConfig matcher;
+  double search_sigmas = 3.0;         // of the prior: half width of the correlative search
+  double least_search_m = 0.1;
+  double most_search_m = 0.5;
+  double most_search_rad = 0.25;
+  std::size_t search_points = 200;    // of a scan, at most
+  double search_centre_share = 0.1;   // score that the edge of the search has to gain over the prior
+  double least_score = 0.3;           // of the search: with less the scan does not fit
+  double least_inlier_share = 0.35;   // of a scan's points; with less it is not believed
+  double keyframe_distance_m = 0.25;
+  double keyframe_angle_rad = 0.15;
+  double drift_m_rtm = 0.001;         // random walk of the local map besides what matching tells
+  double drift_rad_rtm = 0.0002;
+  double lost_s = 5.0;                // without a scan that fits
+};
+
+/// What the back end gets every few decimetres.
+struct PlanarKeyframe {
+  std::uint64_t id = 0;  // counts from 0 without gaps
+  PlanarPose T_odom_base;
+  /// Of the pose in the previous keyframe's base, by right perturbation: only what adds up over keyframes.
+  Eigen::Matrix3d relative_covariance = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d match_covariance = Eigen::Matrix3d::Zero();  // of this scan in the local map: does not add up
+  PlanarScan scan;
+};
+
+struct PlanarResult {
+  NavState state;              // of the scan's end; z is 0, roll and pitch are the IMU's
+  LineMatch match;
+  bool is_keyframe = false;    // then PlanarOdometry::keyframe() holds it until the next scan
+};
+
+struct PlanarOdometryStats {
+  std::uint64_t scans = 0, unmatched = 0, out_of_order = 0, empty = 0;
+};
+
+class PlanarOdometry {
+ public:
+  PlanarOdometry(const VehicleGeometry& vehicle, const PlanarOdometryConfig& config);
+
+  void add(const WheelOdometry& wheels) { prior_.add(wheels); }
+  void add(const ImuSample& sample);
+  /// Scans in order of time; nullptr: not used (no returns, or not later than the one before; counted). What it points to
+  /// holds until the next call.
+  const PlanarResult* add(const LaserScan& scan);
+  const PlanarResult* add(const Scan& scan);
+
+  const PlanarKeyframe& keyframe() const { return keyframe_; }
+  const PlanarOdometryStats& stats() const { return stats_; }
+
+ private:
+  const PlanarResult* step();
+  LineMatch match(const MotionPrior::Prediction& prediction);
+  PlanarPose search(const MotionPrior::Prediction& prediction);
+  void begin_map();
+  void take_keyframe(double way_m);
+  void tell(const LineMatch& match);
+
+  PlanarOdometryConfig config_;
+  Scan2d scan_2d_;
+  Tilt tilt_;
+  MotionPrior prior_;
+  LocalMap map_;
+  CorrelativeMatcher correlative_;
+  PlanarScan scan_;
+  std::vector<Eigen::Vector2f> sample_;     // points of the search
+  PlanarKeyframe keyframe_;
+  PlanarResult result_;
+  PlanarOdometryStats stats_;
+  std::uint64_t keyframes_ = 0;
+  Eigen::Matrix3d drift_ = Eigen::Matrix3d::Zero();  // of the last keyframe in odom, by right perturbation
+  HostTime matched_{};                               // the newest scan that fitted
+};
+
+}  // namespace slamd
