@@ -17,6 +17,9 @@ ConfigFaults contradictions(const std::string& name, const Config& c) {
   const auto demand = [&](bool holds, const char* key, const char* reason) {
     if (!holds) faults.push_back(name + ":0: " + key + ": " + reason);
   };
+  demand(c.mode == "full" || c.mode == "planar", "mode", "must be full or planar");
+  demand(c.planar.odometry.scan.band_low_m < c.planar.odometry.scan.band_high_m, "planar.band_low_m",
+         "must be below planar.band_high_m");
   demand(c.vlp16.min_range_m < c.vlp16.max_range_m, "lidar.min_range_m", "must be below lidar.max_range_m");
   demand(c.lidar.port != c.lidar.position_port, "lidar.position_port", "must differ from lidar.port");
   demand(c.nmea.noise.sigma_min_m <= c.nmea.noise.sigma_max_m, "gnss.sigma_min_m", "must not exceed gnss.sigma_max_m");

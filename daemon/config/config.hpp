@@ -21,6 +21,7 @@
 #include "drivers/imu/imu_frame_parser.hpp"
 #include "drivers/velodyne/vlp16_decoder.hpp"
 #include "estimator/graph/back_end.hpp"
+#include "estimator/grid/slam_2d.hpp"
 #include "estimator/odometry/lidar_inertial_odometry.hpp"
 #include "estimator/types/pose.hpp"
 
@@ -30,6 +31,7 @@ namespace slamd {
 VehicleGeometry reference_vehicle();
 
 struct Config {
+  std::string mode = "full";  // or "planar"
   VehicleGeometry vehicle = reference_vehicle();
   LidarThreadConfig lidar;
   Vlp16Config vlp16;
@@ -40,6 +42,7 @@ struct Config {
   OdometryConfig odometry;
   EstimatorThreadConfig estimator;
   BackEndConfig back_end;
+  Slam2dConfig planar;
   MapStoreConfig map;
   CheckpointConfig checkpoint;
   FlightRecorderConfig flight_recorder;

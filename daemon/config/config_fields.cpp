@@ -4,6 +4,7 @@
 #include "daemon/config/back_end_fields.hpp"
 #include "daemon/config/config.hpp"
 #include "daemon/config/odometry_fields.hpp"
+#include "daemon/config/planar_fields.hpp"
 
 namespace slamd {
 namespace {
@@ -238,13 +239,15 @@ Fields drive_vehicle_fields(DriveVehicle& v) {
 }
 
 Fields config_fields(Config& c) {
-  Fields fields = vehicle_fields(c.vehicle, "vehicle.");
+  Fields fields{{"mode", &c.mode, "", {4, 6}, "full = all sensors in space; planar = a level cut, wheels and IMU in the plane"}};
+  append(fields, vehicle_fields(c.vehicle, "vehicle."));
   append(fields, lidar_fields(c.lidar, c.vlp16));
   append(fields, imu_fields(c.imu, c.imu_frames));
   append(fields, gnss_fields(c.gnss, c.nmea));
   append(fields, odometry_fields(c.odometry));
   append(fields, estimator_thread_fields(c.estimator));
   append(fields, back_end_fields(c.back_end));
+  append(fields, planar_fields(c.planar));
   append(fields, map_fields(c.map));
   append(fields, checkpoint_fields(c.checkpoint));
   append(fields, flight_recorder_fields(c.flight_recorder));

@@ -70,7 +70,7 @@ void descend(const BirdView& target, const Branch& branch, const Exclusion& excl
   for (std::size_t i = 0; i < count; ++i) descend(target, quarters[i], exclusion, limit, best);
 }
 
-std::vector<TurnedCells> turn(const BirdView& source, const PlanarPose& guess, double yaw_window_rad) {
+std::vector<TurnedCells> turn(const BirdView& source, const TurnAndShift& guess, double yaw_window_rad) {
   const int steps = static_cast<int>(std::min(std::ceil(yaw_window_rad / kYawStep_rad), std::numbers::pi / kYawStep_rad));
   std::vector<TurnedCells> result;
   for (int step = -steps; step <= steps; ++step) {
@@ -109,7 +109,7 @@ Branch best_leaf(const BirdView& target, const std::vector<Branch>& roots, int l
 }
 
 /// The median step between the two grounds where both were seen.
-double ground_step_m(const BirdView& target, const BirdView& source, const PlanarPose& T) {
+double ground_step_m(const BirdView& target, const BirdView& source, const TurnAndShift& T) {
   std::vector<float> steps;
   const auto c = static_cast<float>(std::cos(T.yaw_rad));
   const auto s = static_cast<float>(std::sin(T.yaw_rad));
@@ -180,7 +180,7 @@ float BirdView::ground_m(const Eigen::Vector2f& p) const {
   return inside(ix, iy) ? ground_m_[flat(ix, iy)] : std::numeric_limits<float>::quiet_NaN();
 }
 
-PlanarMatch search(const BirdView& target, const BirdView& source, const PlanarPose& guess, const PlanarWindow& window) {
+PlanarMatch search(const BirdView& target, const BirdView& source, const TurnAndShift& guess, const PlanarWindow& window) {
   PlanarMatch result{.T_target_source = guess};
   if (source.cells().empty()) return result;
   const int limit = static_cast<int>(std::ceil(window.distance_m / BirdView::kCell_m));

@@ -38,7 +38,7 @@ class BirdView {
 };
 
 /// A turn and a shift in the plane.
-struct PlanarPose {
+struct TurnAndShift {
   double x_m = 0.0;
   double y_m = 0.0;
   double yaw_rad = 0.0;
@@ -50,7 +50,7 @@ struct PlanarWindow {
 };
 
 struct PlanarMatch {
-  PlanarPose T_target_source;
+  TurnAndShift T_target_source;
   double score = 0.0;         // 0..1, share of the source's cells that lie on the target's
   double runner_up = 0.0;     // the best score more than kApart_m away: near `score` where the place repeats itself
   double height_m = 0.0;      // of the source's frame in the target's, from their ground
@@ -59,6 +59,6 @@ struct PlanarMatch {
 
 /// The best match inside the window around the guess, exactly, on the cells' grid and steps of yaw of 1.5 degrees.
 /// Branch and bound over the levels. Source: Hess et al. 2016, section V.B.
-PlanarMatch search(const BirdView& target, const BirdView& source, const PlanarPose& guess, const PlanarWindow& window);
+PlanarMatch search(const BirdView& target, const BirdView& source, const TurnAndShift& guess, const PlanarWindow& window);
 
 }  // namespace slamd

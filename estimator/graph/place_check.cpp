@@ -13,7 +13,7 @@ constexpr double kSureDistance_m = 0.7;   // registration finds home from here b
 constexpr double kSureYaw_rad = 2.0 * std::numbers::pi / 180.0;
 constexpr PlanarWindow kLookAlikeWindow{.distance_m = 15.0, .yaw_rad = 0.16};
 
-Pose spatial(const PlanarPose& T, double height_m) {
+Pose spatial(const TurnAndShift& T, double height_m) {
   return {Eigen::Quaterniond{Eigen::AngleAxisd{T.yaw_rad, Eigen::Vector3d::UnitZ()}}, {T.x_m, T.y_m, height_m}};
 }
 
@@ -34,7 +34,7 @@ PlaceGuess guess_of(const PlaceMatch& match) {
   return {.T_target_source = {.x_m = 0.0, .y_m = 0.0, .yaw_rad = match.yaw_rad}, .window = kLookAlikeWindow};
 }
 
-PlanarPose planar(const Pose& T) {
+TurnAndShift planar(const Pose& T) {
   const Eigen::Vector3d ahead = T.rotation * Eigen::Vector3d::UnitX();
   return {T.translation.x(), T.translation.y(), std::atan2(ahead.y(), ahead.x())};
 }

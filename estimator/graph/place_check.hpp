@@ -14,7 +14,7 @@ namespace slamd {
 
 /// Where the source may lie in the target's level frame.
 struct PlaceGuess {
-  PlanarPose T_target_source;
+  TurnAndShift T_target_source;
   double height_m = std::numeric_limits<double>::quiet_NaN();  // no number: the ground says
   PlanarWindow window;
 };
@@ -23,7 +23,7 @@ struct PlaceGuess {
 PlaceGuess guess_of(const PlaceMatch& match);
 
 /// The turn about the vertical and the shift of T.
-PlanarPose planar(const Pose& T);
+TurnAndShift planar(const Pose& T);
 
 struct PlaceCheck {
   LoopStage ended_at = LoopStage::kSearch;  // the stage that said no; kAccepted: none did

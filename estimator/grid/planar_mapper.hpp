@@ -25,6 +25,11 @@ class PlanarMapper {
   /// One portion of what is left to do (a search for a loop, a solve): some milliseconds to a second, off the scan path.
   /// False: there was nothing. Deterministic: it depends on calls alone.
   bool work();
+  /// All that is left to do, and a last solve.
+  void finish() {
+    while (work()) {
+    }
+  }
 
   /// Of the newest keyframe.
   PlanarPose T_map_odom() const;

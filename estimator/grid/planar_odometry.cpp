@@ -69,8 +69,10 @@ const PlanarResult* PlanarOdometry::step() {
       if (again.ok) found = again;
     }
     matched_ = scan_2d_.end();
+    unmatched_ = 0;
   } else {
     ++stats_.unmatched;
+    if (++unmatched_ >= config_.max_unmatched) map_.clear();
   }
   prior_.estimate(scan_2d_.end(), found.T_map_base, found.ok);
   tell(found);
@@ -136,7 +138,7 @@ void PlanarOdometry::take_keyframe(double way_m) {
   keyframe_.scan = scan_;
   const Eigen::Matrix3d ad = adjoint((before.inverse() * keyframe_.T_odom_base).inverse());
   drift_ = ad * drift_ * ad.transpose() + keyframe_.relative_covariance;
-  if (result_.match.ok) map_.add(scan_.points, keyframe_.T_odom_base, way_m);
+  if (result_.match.ok || map_.is_empty()) map_.add(scan_.points, keyframe_.T_odom_base, way_m);
   result_.is_keyframe = true;
 }
 

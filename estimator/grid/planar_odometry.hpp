@@ -27,7 +27,8 @@ struct PlanarOdometryConfig {
   std::size_t search_points = 200;    // of a scan, at most
   double search_centre_share = 0.1;   // score that the edge of the search has to gain over the prior
   double least_score = 0.3;           // of the search: with less the scan does not fit
-  double least_inlier_share = 0.35;   // of a scan's points; with less it is not believed
+  double least_inlier_share = 0.2;    // of a scan's points; with less it is not believed
+  int max_unmatched = 10;             // scans in a row; then a new local map is begun where the prior says
   double keyframe_distance_m = 0.25;
   double keyframe_angle_rad = 0.15;
   double drift_m_rtm = 0.001;         // random walk of the local map besides what matching tells
@@ -91,6 +92,7 @@ class PlanarOdometry {
   std::uint64_t keyframes_ = 0;
   Eigen::Matrix3d drift_ = Eigen::Matrix3d::Zero();  // of the last keyframe in odom, by right perturbation
   HostTime matched_{};                               // the newest scan that fitted
+  int unmatched_ = 0;                                // since then
 };
 
 }  // namespace slamd

@@ -27,6 +27,8 @@ class Slam2d {
 
   /// See PlanarMapper::work().
   bool work() { return mapper_.work(); }
+  /// The drive is over: all that is left to do, and a last solve.
+  void finish() { mapper_.finish(); }
 
   /// map is odom without its drift, as far as loops told it.
   PlanarPose T_map_odom() const { return mapper_.T_map_odom(); }

@@ -27,7 +27,7 @@ Submap poles(std::uint64_t seed, int count) {
 }
 
 /// The same points as seen from a frame that lies at T in theirs.
-Submap seen_from(const Submap& submap, const PlanarPose& T, double height_m) {
+Submap seen_from(const Submap& submap, const TurnAndShift& T, double height_m) {
   Submap moved = submap;
   const Eigen::Rotation2Df R{static_cast<float>(-T.yaw_rad)};
   for (Eigen::Vector3f& p : moved.points) {
@@ -41,7 +41,7 @@ Submap seen_from(const Submap& submap, const PlanarPose& T, double height_m) {
 
 TEST(BirdViewSearch, FindsTurnShiftAndHeightFarFromTheGuess) {
   const Submap target = poles(1, 60);
-  const PlanarPose truth{6.3, -9.7, 0.4};
+  const TurnAndShift truth{6.3, -9.7, 0.4};
   const PlanarMatch match = search(BirdView{target}, BirdView{seen_from(target, truth, 1.5)}, {}, {15.0, 0.6});
   EXPECT_NEAR(match.T_target_source.x_m, truth.x_m, 0.6);
   EXPECT_NEAR(match.T_target_source.y_m, truth.y_m, 0.6);

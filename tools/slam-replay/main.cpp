@@ -7,8 +7,10 @@
 #include "daemon/config/config.hpp"
 #include "daemon/store/cloud_file.hpp"
 #include "tools/slam-replay/back_end_output.hpp"
+#include "tools/slam-replay/drive/carmen_log.hpp"
 #include "tools/slam-replay/drive/drive_folder.hpp"
 #include "tools/slam-replay/injected_loops.hpp"
+#include "tools/slam-replay/planar_replay.hpp"
 #include "tools/slam-replay/replay.hpp"
 
 namespace {
@@ -74,6 +76,28 @@ void tell_bad_lines(const replay::Sensors& sensors) {
   tell(sensors.laser);
 }
 
+/// A CARMEN log brings its vehicle along: a laser that looks forwards, level, somewhere on its axis.
+replay::Sensors open_carmen_log(const Options& options, Config& config) {
+  replay::CarmenLog log = replay::read_carmen_log(options.drive);
+  for (const std::string& fault : log.faults) std::fprintf(stderr, "slam-replay: %s\n", fault.c_str());
+  config.mode = "planar";
+  config.vehicle.T_base_lidar = {Eigen::Quaterniond::Identity(), {log.laser_forward_m, 0.0, 0.0}};
+  return replay::sensors_of(std::move(log));
+}
+
+int run_planar(const Options& options, const Config& config, replay::Sensors sensors) {
+  replay::Drive drive{std::move(sensors), config.estimator.merge};
+  replay::PlanarReplay replay{config.vehicle, config.planar, config.odometry.scans.assembler};
+  Progress progress{"replay", 1.0, options.quiet, ""};
+  replay.run(drive, progress);
+  if (!replay.write(drive.sensors(), options.out)) {
+    std::fprintf(stderr, "slam-replay: %s: cannot write there (permission? disk full?)\n", options.out.c_str());
+    return kCannotWrite;
+  }
+  progress.finish(std::to_string(replay.report().scans) + " scans, written to " + options.out);
+  return kOk;
+}
+
 int run(const Options& options) {
   const std::string recorded_config = options.drive + "/slamd.yaml";
   const bool take_recorded = options.config.empty() && std::filesystem::exists(recorded_config);
@@ -86,13 +110,16 @@ int run(const Options& options) {
     config.value.vehicle = vehicle.value.geometry;
     config.value.vlp16.vertical_offsets = vehicle.value.lidar_vertical_offsets;
   }
-  replay::Sensors sensors = replay::open_drive_folder(options.drive, driver_configs(config.value));
+  replay::Sensors sensors = replay::is_carmen_name(options.drive)
+                                ? open_carmen_log(options, config.value)
+                                : replay::open_drive_folder(options.drive, driver_configs(config.value));
   if (options.no_gps) sensors.gnss.reset();
-  if (!sensors.lidar && !sensors.imu) {
+  if (!sensors.lidar && !sensors.imu && !sensors.laser) {
     std::fprintf(stderr, "slam-replay: %s: no lidar.pcap, imu.csv or imu.pcap that can be read there\n",
                  options.drive.c_str());
     return kBadDrive;
   }
+  if (config.value.mode == "planar") return run_planar(options, config.value, std::move(sensors));
   replay::Drive drive{std::move(sensors), config.value.estimator.merge};
   replay::Output output{options.out};
   BackEndConfig& back_end = config.value.back_end;
@@ -127,7 +154,7 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Runs a recorded drive through slamd's estimator as fast as possible.\n"
                "Writes odom.tum and map.tum (one pose a scan), imu_rate.tum, covariance.csv, closures.csv, map.pcd, report.json."};
-  app.add_option("DRIVE", options.drive, "drive folder: lidar.pcap, imu.csv, gps.csv, vehicle.yaml; or a recording of slamd")->required();
+  app.add_option("DRIVE", options.drive, "drive folder: lidar.pcap, imu.csv, gps.csv, vehicle.yaml; a recording of slamd; or a CARMEN log (.clf, .log, .gz)")->required();
   app.add_option("--config", options.config, "slamd.yaml; without it the recording's own, else the defaults");
   app.add_option("--out", options.out, "folder for the results, made when missing")->required();
   app.add_option("--set", options.overrides, "key=value over the configuration, may be repeated");

@@ -3,10 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/health/process_memory.hpp"
+#include "tools/slam-replay/report_parts.hpp"
 
 namespace slamd::replay {
-
-using Json = nlohmann::ordered_json;
 
 void StageTimes::begin_scan() {
   now_.fill(Duration::zero());
@@ -26,30 +25,6 @@ void StageTimes::end_scan() {
 
 namespace {
 
-Json milliseconds(const Histogram& histogram) {
-  const Percentiles p = histogram.percentiles();
-  const auto ms = [](Duration d) { return to_seconds(d) * 1e3; };
-  return {{"p50", ms(p.p50)}, {"p90", ms(p.p90)}, {"p99", ms(p.p99)}, {"p999", ms(p.p999)}, {"max", ms(p.max)}};
-}
-
-Json names_of(std::uint32_t reasons) {
-  Json names = Json::array();
-  for (std::uint32_t i = 0; i < 32; ++i) {
-    if ((reasons >> i & 1U) != 0) names.push_back(name(static_cast<StatusReason>(1U << i)));
-  }
-  return names;
-}
-
-Json status_line(const Report& report) {
-  Json line = Json::array();
-  for (const StatusChange& change : report.status) {
-    line.push_back({{"t_s", to_seconds(change.time.time_since_epoch())},
-                    {"status", name(change.status)},
-                    {"reasons", names_of(change.reasons)}});
-  }
-  return line;
-}
-
 Json drops(const Sensors& sensors, const OdometryStats& stats) {
   Json out{{"scans_late", stats.scans_late + stats.queue.overtaken}, {"scans_thinned", stats.scans_thinned},
            {"scans_let_go", stats.scans_let_go}};
@@ -59,19 +34,7 @@ Json drops(const Sensors& sensors, const OdometryStats& stats) {
 }
 
 Json rejections(const Sensors& sensors, const OdometryStats& stats) {
-  Json out;
-  const auto add = [&out](const auto& stream) {
-    if (!stream) return;
-    for (const StreamReport::Rejection& r : stream->report().rejections) {
-      Json& count = out[r.group][r.cause];
-      count = (count.is_null() ? 0 : count.template get<std::uint64_t>()) + r.count;
-    }
-  };
-  add(sensors.lidar);
-  add(sensors.imu);
-  add(sensors.gnss);
-  add(sensors.wheel);
-  add(sensors.laser);
+  Json out = stream_rejections(sensors);
   if (sensors.imu) {
     out["imu"]["out_of_order"] = stats.imu.out_of_order;
     out["imu"]["in_future"] = stats.imu.in_future;
@@ -127,7 +90,7 @@ std::string to_json(const Report& report, const StageTimes& times, const Sensors
   out["gps_fixes"] = report.fixes;
   out["drops"] = drops(sensors, stats);
   out["rejections"] = rejections(sensors, stats);
-  out["status"] = status_line(report);
+  out["status"] = status_line(report.status);
   const Matrix6d& p = report.last.covariance;
   out["final_sigma"] = {{"position_m", {std::sqrt(p(0, 0)), std::sqrt(p(1, 1)), std::sqrt(p(2, 2))}},
                         {"attitude_rad", {std::sqrt(p(3, 3)), std::sqrt(p(4, 4)), std::sqrt(p(5, 5))}}};

@@ -35,6 +35,7 @@ struct Sensors {
   std::unique_ptr<Stream<WheelOdometry>> wheel;
   std::unique_ptr<Stream<LaserScan>> laser;
   std::map<HostTime, double> scan_shares;  // by end of a scan: of its points, where the live estimator had no time for more
+  std::map<HostTime, HostTime> recorded_stamps;  // by an item's time: what the recording says, where it was out of order
 };
 
 }  // namespace slamd::replay
