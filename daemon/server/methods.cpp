@@ -6,10 +6,12 @@
 #include <cmath>
 #include <utility>
 
+#include "daemon/server/grid_job.hpp"
 #include "daemon/server/host_clock.hpp"
 #include "daemon/server/map_job.hpp"
 #include "daemon/server/pose_json.hpp"
 #include "daemon/server/protocol/protocol.hpp"
+#include "daemon/store/file_name.hpp"
 
 namespace slamd {
 namespace {
@@ -29,6 +31,13 @@ double position_sigma_m(const PoseSample& sample) {
   return std::sqrt(sample.covariance[0] + sample.covariance[7] + sample.covariance[14]);
 }
 
+constexpr const char* kNoGrid = "mode is not planar: there is no grid";
+const std::vector<std::string> kTopics{"pose", "status", "grid"};
+
+RateGate& gate(Subscriptions& subscriptions, const std::string& topic) {
+  return topic == "pose" ? subscriptions.pose : topic == "status" ? subscriptions.status : subscriptions.grid;
+}
+
 }  // namespace
 
 struct Methods::Entry {
@@ -38,13 +47,14 @@ struct Methods::Entry {
 };
 
 std::span<const Methods::Entry> Methods::entries() {
-  static constexpr std::array<Entry, 11> kEntries{{
+  static constexpr std::array<Entry, 12> kEntries{{
       {method::kGetPose, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.pose(params); }},
       {method::kVersion, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.version(params); }},
       {method::kGetStatus, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.tell_status(params); }},
       {method::kSubscribe, Right::kRead, [](Methods& self, Params& params, Subscriptions& all) { return self.subscribe(params, all); }},
       {method::kUnsubscribe, Right::kRead, [](Methods& self, Params& params, Subscriptions& all) { return self.unsubscribe(params, all); }},
       {method::kGetMap, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.map(params); }},
+      {method::kGetGrid, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.grid(params); }},
       {method::kGetPosePage, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.pose_page(params); }},
       {method::kGetTrajectory, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.trajectory(params); }},
       {method::kSaveMap, Right::kControl, [](Methods& self, Params& params, Subscriptions&) { return self.save_map(params); }},
@@ -132,18 +142,19 @@ Methods::Handled Methods::pose(Params& params) const {
 }
 
 Methods::Handled Methods::subscribe(Params& params, Subscriptions& subscriptions) const {
-  const bool pose = params.choice("topic", {"pose", "status"}) == "pose";
-  const double rate_hz = pose ? params.number("rate_hz", 10.0, 0.01, 1000.0) : params.number("rate_hz", 1.0, 0.01, 4.0);
+  const std::string topic = params.choice("topic", kTopics);
+  const double rate_hz = topic == "pose" ? params.number("rate_hz", 10.0, 0.01, 1000.0) : params.number("rate_hz", 1.0, 0.01, 4.0);
   if (auto fault = params.fault()) return *std::move(fault);
-  (pose ? subscriptions.pose : subscriptions.status).open(from_seconds(1.0 / rate_hz));
-  return Reply{{{"topic", pose ? "pose" : "status"}, {"rate_hz", rate_hz}}, {}};
+  if (topic == "grid" && sources_.grid == nullptr) return RpcError{error::kNotConfigured, kNoGrid};
+  gate(subscriptions, topic).open(from_seconds(1.0 / rate_hz));
+  return Reply{{{"topic", topic}, {"rate_hz", rate_hz}}, {}};
 }
 
 Methods::Handled Methods::unsubscribe(Params& params, Subscriptions& subscriptions) const {
-  const bool pose = params.choice("topic", {"pose", "status"}) == "pose";
+  const std::string topic = params.choice("topic", kTopics);
   if (auto fault = params.fault()) return *std::move(fault);
-  (pose ? subscriptions.pose : subscriptions.status).shut();
-  return Reply{{{"topic", pose ? "pose" : "status"}}, {}};
+  gate(subscriptions, topic).shut();
+  return Reply{{{"topic", topic}}, {}};
 }
 
 Methods::Handled Methods::pose_page(Params& params) const {
@@ -179,6 +190,15 @@ Methods::Handled Methods::save_map(Params& params) const {
                return slamd::save_map(store, request, path, progress);
              },
              tell_progress};
+}
+
+Methods::Handled Methods::grid(Params& params) const {
+  const bool as_picture = params.choice("format", {"cells", "pgm"}) == "pgm";
+  const std::string name = params.text("name", "map.pgm");
+  if (auto fault = params.fault()) return *std::move(fault);
+  if (!is_plain_file_name(name) || !name.ends_with(".pgm")) return RpcError{error::kRefused, "name must be a plain file name that ends in .pgm"};
+  if (sources_.grid == nullptr) return RpcError{error::kNotConfigured, kNoGrid};
+  return Job{[&store = *sources_.grid, request = GridRequest{as_picture, name}](const JobProgress&) { return make_grid(store, request); }};
 }
 
 Methods::Handled Methods::inject(Params& params) const {

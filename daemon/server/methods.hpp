@@ -64,6 +64,7 @@ class Methods {
   Handled pose_page(Params& params) const;
   Handled map(Params& params) const;
   Handled save_map(Params& params) const;
+  Handled grid(Params& params) const;
   Handled trajectory(Params& params) const;
   Handled inject(Params& params) const;
   Handled dump(Params& params) const;

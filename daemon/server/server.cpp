@@ -18,6 +18,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "daemon/server/grid_job.hpp"
 #include "daemon/server/host_clock.hpp"
 #include "daemon/server/listening_socket.hpp"
 #include "daemon/server/peer.hpp"
@@ -78,6 +79,7 @@ class Server::Impl {
   void await_tick();
   void tick(HostTime now);
   void publish_status(HostTime now);
+  void publish_grid(HostTime now);
 
   ServerConfig config_;
   std::optional<gid_t> control_group_;  // none: every client controls
@@ -233,6 +235,7 @@ void Server::Impl::tick(HostTime now) {
   if (!accepting_) accept();
   for (const std::shared_ptr<Session>& session : sessions_) session->check_stall(now);
   publish_status(now);
+  publish_grid(now);
 }
 
 void Server::Impl::publish_status(HostTime now) {
@@ -240,6 +243,21 @@ void Server::Impl::publish_status(HostTime now) {
   for (const std::shared_ptr<Session>& session : sessions_) {
     if (!session->subscriptions().status.pass(now)) continue;
     if (!line) line = std::make_shared<std::string>(notification_line(protocol::notification::kStatus, methods_.status()));
+    session->notify(line);
+  }
+}
+
+/// Only to those whom the newest grid was not told yet.
+void Server::Impl::publish_grid(HostTime now) {
+  if (sources_.grid == nullptr) return;
+  const GridStore::Newest newest = sources_.grid->newest();
+  if (newest.grid == nullptr) return;
+  Outbox::Line line;
+  for (const std::shared_ptr<Session>& session : sessions_) {
+    Subscriptions& wanted = session->subscriptions();
+    if (wanted.told_grid == newest.changes || !wanted.grid.pass(now)) continue;
+    wanted.told_grid = newest.changes;
+    if (!line) line = std::make_shared<std::string>(notification_line(protocol::notification::kGrid, grid_json(newest)));
     session->notify(line);
   }
 }

@@ -12,6 +12,7 @@
 #include "daemon/inject/fault_switch.hpp"
 #include "daemon/ring/unique_fd.hpp"
 #include "daemon/server/pose_publisher.hpp"
+#include "daemon/store/grid_store.hpp"
 #include "daemon/store/map_store.hpp"
 #include "daemon/store/trajectory_store.hpp"
 #include "estimator/types/result.hpp"
@@ -44,6 +45,7 @@ struct ServerSources {
   FaultBoard* faults = nullptr;  // null: nothing may be injected
   /// Writes the newest raw input as a drive folder of that name (empty: one of its own) and gives its path. Any thread.
   std::function<Result<std::string>(const std::string& name)> dump{};
+  const GridStore* grid = nullptr;  // null: not in planar mode
 };
 
 class Server {

@@ -40,8 +40,10 @@ class RateGate {
 struct Subscriptions {
   RateGate pose;    // by the samples' own times
   RateGate status;  // by the server's clock
+  RateGate grid;    // likewise, of those that are new
+  std::uint64_t told_grid = 0;  // GridStore's count of the one that was told last
 
-  bool any() const { return pose.is_open() || status.is_open(); }
+  bool any() const { return pose.is_open() || status.is_open() || grid.is_open(); }
 };
 
 }  // namespace slamd

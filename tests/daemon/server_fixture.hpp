@@ -33,7 +33,9 @@ class ServerTest : public testing::Test {
   ServerConfig config(ServerLimits limits = {}) const {
     return {.socket_path = socket_path(), .save_dir = folder_, .control_group = {}, .limits = limits};
   }
-  ServerSources sources() { return {publisher_, map_, trajectory_, health_, faults_}; }
+  ServerSources sources() {
+    return {.pose = publisher_, .map = map_, .trajectory = trajectory_, .health = health_, .faults = faults_, .dump = {}, .grid = grid_};
+  }
   std::string socket_path() const { return folder_ + "/slamd.sock"; }
   RawClient connect() const { return RawClient{socket_path()}; }
 
@@ -72,6 +74,7 @@ class ServerTest : public testing::Test {
   TrajectoryStore trajectory_;
   HealthBoard health_{HostTime{}};
   FaultBoard* faults_ = nullptr;
+  const GridStore* grid_ = nullptr;
   std::unique_ptr<Server> server_;
 };
 

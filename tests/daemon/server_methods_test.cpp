@@ -133,6 +133,63 @@ TEST_F(ServerMethods, GetStatusShowsSourcesRingsStagesAndStores) {
   EXPECT_EQ(status.at("server").at("clients"), 1);
 }
 
+OccupancyGrid grid_of(std::uint32_t width, std::int8_t cell) {
+  return {.resolution_m = 0.05, .origin = {-2.0, 1.5}, .width = width, .height = 2, .cells = std::vector<std::int8_t>(2 * width, cell)};
+}
+
+TEST_F(ServerMethods, TheGridComesSealedWithItsPlace) {
+  GridStore store;
+  grid_ = &store;
+  start();
+  RawClient client = connect();
+  EXPECT_EQ(client.call(1, "get_grid").at("error").at("code"), error::kNotYet);
+  store.put(grid_of(4, kFreeCell), from_ns<HostTime>(77));
+  store.put(grid_of(3, kOccupiedCell), from_ns<HostTime>(99));
+  const json told = client.call(2, "get_grid").at("result");
+  EXPECT_EQ(told.at("changes"), 2);
+  EXPECT_EQ(told.at("time_ns"), 99);
+  EXPECT_EQ(told.at("origin_m"), (json{-2.0, 1.5}));
+  EXPECT_EQ(told.at("width").get<int>() * told.at("height").get<int>(), told.at("bytes").get<int>());
+  UniqueFd fd = client.take_fd();
+  EXPECT_EQ(content_of(fd.get()), std::string(6, static_cast<char>(kOccupiedCell)));
+  EXPECT_EQ(::ftruncate(fd.get(), 0), -1) << "nobody can change it";
+
+  const json picture = client.call(3, "get_grid", {{"format", "pgm"}, {"name", "hall.pgm"}}).at("result");
+  EXPECT_NE(picture.at("yaml").get<std::string>().find("image: hall.pgm\n"), std::string::npos);
+  EXPECT_EQ(content_of(client.take_fd().get()).substr(0, 3), "P5\n");
+  EXPECT_EQ(client.call(4, "get_grid", {{"name", "../hall.pgm"}}).at("error").at("code"), error::kRefused);
+}
+
+TEST_F(ServerMethods, WithoutPlanarModeThereIsNoGrid) {
+  start();
+  RawClient client = connect();
+  EXPECT_EQ(client.call(1, "get_grid").at("error").at("code"), error::kNotConfigured);
+  EXPECT_EQ(client.call(2, "subscribe", {{"topic", "grid"}}).at("error").at("code"), error::kNotConfigured);
+}
+
+TEST_F(ServerMethods, GridSubscribersHearOfEachNewGridOnce) {
+  GridStore store;
+  grid_ = &store;
+  store.put(grid_of(1, kFreeCell), from_ns<HostTime>(1));
+  start();
+  RawClient client = connect();
+  ASSERT_TRUE(client.call(1, "subscribe", {{"topic", "grid"}, {"rate_hz", 4.0}}).contains("result"));
+  json told = client.receive().value();
+  EXPECT_EQ(told.at("method"), "grid");
+  EXPECT_EQ(told.at("params").at("changes"), 1);
+  EXPECT_FALSE(told.at("params").contains("fd"));
+  store.put(grid_of(2, kFreeCell), from_ns<HostTime>(2));
+  told = client.receive().value();
+  EXPECT_EQ(told.at("params").at("changes"), 2) << "the old one is not told again";
+  EXPECT_EQ(told.at("params").at("width"), 2);
+  client.call(2, "unsubscribe", {{"topic", "grid"}});
+  store.put(grid_of(3, kFreeCell), from_ns<HostTime>(3));
+  const std::uint64_t beats = server_->heartbeats();
+  while (server_->heartbeats() < beats + 3) ::usleep(10'000);
+  client.request(3, "version");
+  EXPECT_EQ(client.receive().value().at("id"), 3) << "nothing came before";
+}
+
 TEST_F(ServerMethods, PoseSubscriptionSendsAtTheAskedRateUntilUnsubscribed) {
   start();
   RawClient client = connect();

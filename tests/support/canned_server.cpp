@@ -27,6 +27,14 @@ void fill(MapStore& map, TrajectoryStore& trajectory) {
   }
 }
 
+/// Three squares by two: an occupied one at its origin, the rest free but the last, which nobody has seen.
+OccupancyGrid small_grid() {
+  OccupancyGrid grid{.resolution_m = 0.5, .origin = {-1.0, 2.0}, .width = 3, .height = 2, .cells = std::vector<std::int8_t>(6, kFreeCell)};
+  grid.cells.front() = kOccupiedCell;
+  grid.cells.back() = kUnknownCell;
+  return grid;
+}
+
 bool input_has_ended() {
   pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
   return ::poll(&input, 1, kPeriod_ms) > 0;
@@ -44,7 +52,9 @@ int main(int argc, char** argv) {
   if (!publisher) return 1;
   PosePublisher pose = std::move(publisher).value();
   fill(map, trajectory);
-  Server server{{.socket_path = argv[1], .save_dir = argv[2], .control_group = "", .limits = {}}, {pose, map, trajectory, health}, "0.0.1"};
+  GridStore grid;
+  grid.put(small_grid(), host_now());
+  Server server{{.socket_path = argv[1], .save_dir = argv[2], .control_group = "", .limits = {}}, {.pose = pose, .map = map, .trajectory = trajectory, .health = health, .grid = &grid}, "0.0.1"};
   if (const Result<void> started = server.start(); !started) {
     std::fprintf(stderr, "%s\n", started.reason());
     return 1;

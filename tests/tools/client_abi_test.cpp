@@ -56,6 +56,30 @@ TEST_F(ClientAbi, WrongArgumentsAreToldAndSendNothing) {
   slamd_close_page(nullptr);
 }
 
+TEST_F(ClientAbi, TheGridOfADaemonThatIsNotPlanarIsTheDaemonsError) {
+  client::Connection daemon{socket_path()};
+  try {
+    (void)daemon.grid();
+    FAIL() << "there is no grid";
+  } catch (const client::ClientError& error) {
+    EXPECT_EQ(error.code(), -32007);
+  }
+}
+
+class PlanarClient : public ServerTest {};
+
+TEST_F(PlanarClient, TheGridIsTheDaemons) {
+  GridStore store;
+  store.put({.resolution_m = 0.1, .origin = {1.0, -2.0}, .width = 2, .height = 2, .cells = {-1, 0, 100, 0}}, from_ns<HostTime>(5));
+  grid_ = &store;
+  start();
+  const client::Grid grid = client::Connection{socket_path()}.grid();
+  EXPECT_EQ(grid.width, 2U);
+  EXPECT_EQ(grid.origin_y_m, -2.0);
+  EXPECT_EQ(grid.time_ns, 5);
+  EXPECT_EQ(grid.cells, (std::vector<std::int8_t>{-1, 0, 100, 0}));
+}
+
 TEST_F(ClientAbi, APoseThatIsToldIsThatOfThePage) {
   constexpr std::uint32_t kReasons = static_cast<std::uint32_t>(StatusReason::kNoImu) |
                                      static_cast<std::uint32_t>(StatusReason::kLidarIncomplete);

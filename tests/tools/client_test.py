@@ -122,6 +122,15 @@ class BlockingClient(WithServer):
             self.assertTrue(pcd.startswith(b"# .PCD"))
             self.assertEqual(len(daemon.trajectory_tum().splitlines()), 100)
 
+    def test_the_grid_comes_as_squares_and_a_change_is_told(self):
+        with slamd.Client(self.path) as daemon:
+            daemon.subscribe("grid", 4.0)
+            topic, told = next(daemon.notifications())
+            self.assertEqual((topic, told["width"], told["changes"]), ("grid", 3, 1))
+            grid = daemon.grid()
+        self.assertEqual((grid.width, grid.height, grid.resolution_m, grid.origin_m), (3, 2, 0.5, (-1.0, 2.0)))
+        self.assertEqual([grid.at(-0.9, 2.1), grid.at(0.4, 2.9), grid.at(0.4, 2.1), grid.at(9.0, 2.1)], [100, -1, 0, -1])
+
     def test_the_pose_page_agrees_with_the_socket_and_outlives_the_connection(self):
         with slamd.Client(self.path) as daemon:
             page = daemon.pose_page()
@@ -197,6 +206,7 @@ class AsynchronousClient(WithServer):
             self.assertGreater((await daemon.pose_page()).read().sequence, 0)
             self.assertEqual(len(await daemon.map_view(voxel_size_m=0.5)), 5000)
             self.assertEqual(daemon.version["protocol"], 1)
+            self.assertEqual((await daemon.grid()).at(-0.9, 2.1), 100)
             with self.assertRaises(slamd.RpcError):
                 await daemon.call("get_map", voxel_size_m=0)
             daemon.close()
@@ -223,12 +233,17 @@ class Slamctl(WithServer):
                 content = file.read()
             self.assertTrue(content.startswith(start))
             self.assertEqual(told["bytes"], len(content))
+        self.assertIn("3 x 2 squares", self.slamctl("grid", "--out", os.path.join(self.folder, "house.pgm")))
+        with open(os.path.join(self.folder, "house.pgm"), "rb") as file:
+            self.assertEqual(file.read(), b"P5\n3 2\n255\n\xfe\xfe\xcd\x00\xfe\xfe")
+        with open(os.path.join(self.folder, "house.yaml"), encoding="ascii") as file:
+            self.assertIn("image: house.pgm\nmode: trinary\nresolution: 0.5\norigin: [-1, 2, 0]\n", file.read())
         path = os.path.join(self.folder, "drive.tum")
         self.assertIn("100 poses", self.slamctl("trajectory", "save", path))
         with open(path, encoding="ascii") as file:
             self.assertEqual(len(file.readlines()), 100)
         self.assertEqual(sorted(os.listdir(self.folder)),
-                         ["drive.tum", "map.pcd", "map.ply", "slamd.sock", "slamd.sock.lock"])
+                         ["drive.tum", "house.pgm", "house.yaml", "map.pcd", "map.ply", "slamd.sock", "slamd.sock.lock"])
 
     def test_metrics_are_prometheus_text(self):
         told = self.slamctl("metrics").splitlines()

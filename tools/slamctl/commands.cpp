@@ -3,6 +3,8 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <thread>
 
@@ -145,6 +147,22 @@ int save_map(client::Connection& daemon, const Options& options) {
   });
   copy_to_file(answer, options, progress);
   return print_saved(options, answer.result, std::to_string(answer.result.value("points", 0)) + " points");
+}
+
+/// The picture, and beside it the YAML that map_server reads first.
+int save_grid(client::Connection& daemon, const Options& options) {
+  const std::filesystem::path picture{options.file};
+  const ProgressLine progress{!options.json};
+  client::Answer answer = daemon.call(method::kGetGrid, {{"format", "pgm"}, {"name", picture.filename().string()}});
+  const std::string yaml = std::filesystem::path{picture}.replace_extension(".yaml").string();
+  std::ofstream text{yaml};
+  text << answer.result.at("yaml").get<std::string>() << std::flush;
+  if (!text) throw client::ClientError{client::ClientError::kSystem, yaml + ": cannot be written"};
+  copy_to_file(answer, options, progress);
+  answer.result.erase("yaml");
+  answer.result["yaml_file"] = yaml;
+  const auto cells = [&](const char* side) { return std::to_string(answer.result.at(side).get<int>()); };
+  return print_saved(options, answer.result, cells("width") + " x " + cells("height") + " squares, " + yaml);
 }
 
 int save_trajectory(client::Connection& daemon, const Options& options) {

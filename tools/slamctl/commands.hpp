@@ -42,6 +42,7 @@ int show_top(client::Connection& daemon, const Options& options);
 int show_pose(client::Connection& daemon, const Options& options);
 int inject(client::Connection& daemon, const Options& options);
 int save_map(client::Connection& daemon, const Options& options);
+int save_grid(client::Connection& daemon, const Options& options);
 int save_trajectory(client::Connection& daemon, const Options& options);
 int dump(client::Connection& daemon, const Options& options);
 

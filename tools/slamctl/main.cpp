@@ -23,6 +23,7 @@ constexpr const char* kFooter =
     "  slamctl inject imu stuck --for 5\n"
     "  slamctl dump --out before-the-workshop\n"
     "  slamctl map save campus.pcd --voxel 0.1 --box -50 -50 -5 50 50 20\n"
+    "  slamctl grid --out house.pgm\n"
     "  slamctl trajectory save drive.tum";
 
 using Command = int (*)(slamd::client::Connection&, const Options&);
@@ -37,6 +38,13 @@ void add_map(CLI::App& cli, Options& options) {
   save->add_option("--voxel", options.voxel_size_m, "at most one point in each voxel of so many metres")
       ->check(CLI::Range(0.01, 100.0))->capture_default_str();
   save->add_option("--box", options.box, "only inside: min x y z max x y z, metres in map")->expected(6);
+}
+
+void add_grid(CLI::App& cli, Options& options) {
+  CLI::App* grid = cli.add_subcommand("grid", "write the occupancy grid of planar mode here, as map_server reads it");
+  const auto extension = [](const std::string& name) { return name.ends_with(".pgm") ? std::string{} : "must end in .pgm"; };
+  options.file = "map.pgm";
+  grid->add_option("--out", options.file, "the picture; its YAML comes beside it")->check(extension)->capture_default_str();
 }
 
 void add_status(CLI::App& cli, Options& options) {
@@ -82,6 +90,7 @@ void add_commands(CLI::App& cli, Options& options) {
   add_top(cli, options);
   add_inject(cli, options);
   add_map(cli, options);
+  add_grid(cli, options);
   CLI::App* trajectory = cli.add_subcommand("trajectory", "the path driven so far")->require_subcommand(1);
   trajectory->add_subcommand("save", "write it as TUM text (base in odom)")
       ->add_option("FILE", options.file, "what to write")->required();
@@ -98,6 +107,7 @@ Command chosen(const CLI::App& cli) {
   if (cli.got_subcommand("top")) return show_top;
   if (cli.got_subcommand("inject")) return inject;
   if (cli.got_subcommand("dump")) return dump;
+  if (cli.got_subcommand("grid")) return save_grid;
   return cli.got_subcommand("map") ? save_map : save_trajectory;
 }
 

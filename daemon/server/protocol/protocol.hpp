@@ -15,7 +15,7 @@ inline constexpr int kInvalidRequest = -32600;  // JSON, but no JSON-RPC 2.0 req
 inline constexpr int kUnknownMethod = -32601;
 inline constexpr int kInvalidParams = -32602;
 inline constexpr int kInternal = -32603;
-inline constexpr int kNotYet = -32000;          // no pose so far
+inline constexpr int kNotYet = -32000;          // no pose or grid so far
 inline constexpr int kBusy = -32001;            // too many maps and files in work, or too many clients
 inline constexpr int kRefused = -32002;         // a file name that may not be written
 inline constexpr int kWriteFailed = -32003;     // disk full, no permission, no memory; the message says which
@@ -32,6 +32,7 @@ inline constexpr const char* kGetPose = "get_pose";
 inline constexpr const char* kSubscribe = "subscribe";
 inline constexpr const char* kUnsubscribe = "unsubscribe";
 inline constexpr const char* kGetMap = "get_map";
+inline constexpr const char* kGetGrid = "get_grid";
 inline constexpr const char* kGetPosePage = "get_pose_page";
 inline constexpr const char* kGetTrajectory = "get_trajectory";
 inline constexpr const char* kSaveMap = "save_map";
@@ -43,6 +44,7 @@ inline constexpr const char* kDump = "dump";
 namespace notification {
 inline constexpr const char* kPose = "pose";          // params: as the result of get_pose
 inline constexpr const char* kStatus = "status";      // params: as the result of get_status
+inline constexpr const char* kGrid = "grid";          // params: of the newest grid, as the result of get_grid without its bytes
 inline constexpr const char* kProgress = "progress";  // params: id of the request, stage, share 0..1
 inline constexpr const char* kLost = "lost";          // params: count of notifications that this client was too slow for
 }  // namespace notification

@@ -82,7 +82,7 @@ const char* slamd_version(const slamd_connection* connection);
 /* One request and its answer. Notifications that come meanwhile wait for slamd_next(). */
 int slamd_call(slamd_connection* connection, const slamd_request* request, slamd_answer* answer);
 
-/* topic "pose" or "status". The newest 10,000 notifications that nobody took are kept. */
+/* topic "pose", "status" or "grid". The newest 10,000 notifications that nobody took are kept. */
 int slamd_subscribe(slamd_connection* connection, const char* topic, double rate_hz);
 int slamd_unsubscribe(slamd_connection* connection, const char* topic);
 

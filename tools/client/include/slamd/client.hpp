@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace slamd::client {
 
@@ -59,13 +60,23 @@ class Descriptor {
 };
 
 struct Notification {
-  std::string topic;  // "pose", "status", "progress", "lost"
+  std::string topic;  // "pose", "status", "grid", "progress", "lost"
   nlohmann::json params;
 };
 
 struct Answer {
   nlohmann::json result;
   Descriptor fd;  // where the result says "fd": true
+};
+
+/// The occupancy grid of planar mode. cells: row by row from the lowest y; -1 unknown, 0 free, 100 occupied.
+struct Grid {
+  std::int64_t time_ns = 0;      // CLOCK_MONOTONIC, when it was made
+  std::uint64_t changes = 0;     // grids so far
+  double resolution_m = 0.0;
+  double origin_x_m = 0.0, origin_y_m = 0.0;  // in map, of the lower left corner of the first cell
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::int8_t> cells;
 };
 
 /// Shared memory with the newest pose. Any thread.
@@ -115,7 +126,7 @@ class Connection {
     return {nlohmann::json::parse(answer.result_json), std::move(fd)};
   }
 
-  /// topic "pose" or "status"; then next() gives its notifications. The newest 10,000 that nobody took are kept.
+  /// topic "pose", "status" or "grid"; then next() gives its notifications. The newest 10,000 that nobody took are kept.
   void subscribe(const std::string& topic, double rate_hz) {
     check(slamd_subscribe(connection_.get(), topic.c_str(), rate_hz));
   }
@@ -140,6 +151,22 @@ class Connection {
     slamd_page* page = nullptr;
     check(slamd_open_page(connection_.get(), &page));
     return PosePage{page};
+  }
+
+  /// The newest occupancy grid. Throws -32000 before the first one, -32007 when the daemon is not in planar mode.
+  Grid grid() {
+    const Answer answer = call("get_grid");
+    const nlohmann::json& told = answer.result;
+    Grid grid{told.at("time_ns"), told.at("changes"), told.at("resolution_m"), told.at("origin_m").at(0), told.at("origin_m").at(1),
+              told.at("width"), told.at("height"), {}};
+    grid.cells.resize(std::size_t{grid.width} * grid.height);
+    std::size_t done = 0;
+    while (done < grid.cells.size()) {
+      const ssize_t count = ::pread(answer.fd.get(), grid.cells.data() + done, grid.cells.size() - done, static_cast<off_t>(done));
+      if (count <= 0) throw ClientError{ClientError::kProtocol, "the grid is not as large as it says"};
+      done += static_cast<std::size_t>(count);
+    }
+    return grid;
   }
 
   /// The daemon's answer to "version".

@@ -11,7 +11,8 @@ there, sees the pose page and maps without a copy.
 from ._async import AsyncClient
 from ._client import Client
 from ._errors import ConnectionLost, RpcError, SlamdError
+from ._grid import Grid
 from ._map_view import MapView
 from ._pose_page import PosePage, PoseSample
 
-__all__ = ["AsyncClient", "Client", "ConnectionLost", "MapView", "PosePage", "PoseSample", "RpcError", "SlamdError"]
+__all__ = ["AsyncClient", "Client", "ConnectionLost", "Grid", "MapView", "PosePage", "PoseSample", "RpcError", "SlamdError"]

@@ -6,6 +6,7 @@ from types import TracebackType
 from typing import Any, AsyncIterator, Dict, Optional, Tuple, Type
 
 from ._errors import ConnectionLost, SlamdError
+from ._grid import Grid
 from ._map_view import MapView
 from ._pose_page import PosePage
 from ._wire import DEFAULT_SOCKET, MAX_FDS, PROTOCOL_VERSION, Wire, close_fd, read_fd, result_of
@@ -89,6 +90,13 @@ class AsyncClient:
         if fd is None:
             raise SlamdError("the map came without its file descriptor")
         return MapView(result, fd)
+
+    async def grid(self) -> Grid:
+        """The newest occupancy grid; an RpcError when the daemon is not in planar mode, or has none yet."""
+        result, fd = await self.call_with_fd("get_grid")
+        if fd is None:
+            raise SlamdError("the grid came without its file descriptor")
+        return Grid(result, fd)
 
     def close(self) -> None:
         self._fail(ConnectionLost("closed"))
