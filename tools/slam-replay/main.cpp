@@ -3,14 +3,14 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <set>
 
 #include "daemon/config/config.hpp"
 #include "daemon/store/cloud_file.hpp"
 #include "tools/slam-replay/back_end_output.hpp"
-#include "tools/slam-replay/drive/carmen_log.hpp"
-#include "tools/slam-replay/drive/drive_folder.hpp"
 #include "tools/slam-replay/injected_loops.hpp"
 #include "tools/slam-replay/planar_replay.hpp"
+#include "tools/slam-replay/recording.hpp"
 #include "tools/slam-replay/replay.hpp"
 
 namespace {
@@ -21,9 +21,9 @@ enum ExitCode { kOk = 0, kBadDrive = 1, kBadConfig = 2, kCannotWrite = 3 };
 
 struct Options {
   std::string drive, config, out;
-  std::vector<std::string> overrides;
+  std::vector<std::string> overrides, topics;
   double wrong_candidates = 0.0;
-  bool no_gps = false, no_loops = false, no_map = false, quiet = false;
+  bool list = false, no_gps = false, no_loops = false, no_map = false, quiet = false;
 };
 
 bool tell(const ConfigFaults& faults) {
@@ -64,25 +64,53 @@ Mapper make_mapper(const BackEndConfig& config, const VehicleGeometry& vehicle, 
                 std::move(positions)};
 }
 
-/// The first bad line of every table of the drive.
-void tell_bad_lines(const replay::Sensors& sensors) {
-  const auto tell = [](const auto& stream) {
-    if (!stream) return;
-    const std::string complaint = stream->report().complaint;
-    if (!complaint.empty()) std::fprintf(stderr, "slam-replay: %s\n", complaint.c_str());
-  };
-  tell(sensors.gnss);
-  tell(sensors.wheel);
-  tell(sensors.laser);
+/// "role=/topic" each.
+replay::TopicWishes wishes(const Options& options) {
+  replay::TopicWishes wishes;
+  for (const std::string& wish : options.topics) {
+    const std::size_t equals = std::min(wish.find('='), wish.size());
+    wishes[wish.substr(0, equals)] = wish.substr(std::min(equals + 1, wish.size()));
+  }
+  return wishes;
 }
 
-/// A CARMEN log brings its vehicle along: a laser that looks forwards, level, somewhere on its axis.
-replay::Sensors open_carmen_log(const Options& options, Config& config) {
-  replay::CarmenLog log = replay::read_carmen_log(options.drive);
-  for (const std::string& fault : log.faults) std::fprintf(stderr, "slam-replay: %s\n", fault.c_str());
-  config.mode = "planar";
-  config.vehicle.T_base_lidar = {Eigen::Quaterniond::Identity(), {log.laser_forward_m, 0.0, 0.0}};
-  return replay::sensors_of(std::move(log));
+int list(const Options& options) {
+  std::string fault;
+  const std::string text = replay::list_recording(options.drive, wishes(options), fault);
+  if (!fault.empty()) std::fprintf(stderr, "slam-replay: %s\n", fault.c_str());
+  else std::fputs(text.c_str(), stdout);
+  return fault.empty() ? kOk : kBadDrive;
+}
+
+/// The configuration as told, else the recording's own; then what vehicle.yaml beside the recording says.
+Loaded<Config> configuration(const Options& options) {
+  const bool is_folder = std::filesystem::is_directory(options.drive);
+  const std::string recorded_config = options.drive + "/slamd.yaml";
+  const bool take_recorded = options.config.empty() && is_folder && std::filesystem::exists(recorded_config);
+  Loaded<Config> config = load_config(take_recorded ? recorded_config : options.config, options.overrides);
+  const std::string vehicle_path = replay::folder_of(options.drive) + "/vehicle.yaml";
+  if (!config.faults.empty() || !std::filesystem::exists(vehicle_path)) return config;
+  Loaded<DriveVehicle> vehicle = load_drive_vehicle(vehicle_path);
+  config.faults = std::move(vehicle.faults);
+  config.value.vehicle = vehicle.value.geometry;
+  if (is_folder && !replay::is_bag(options.drive)) config.value.vlp16.vertical_offsets = vehicle.value.lidar_vertical_offsets;
+  return config;
+}
+
+/// Of the sensors' streams, each first fault once.
+void tell_faults(const replay::Sensors& sensors) {
+  std::set<std::string> faults;
+  const auto add = [&faults](const auto& stream) {
+    if (stream && !stream->report().complaint.empty()) faults.insert(stream->report().complaint);
+  };
+  add(sensors.lidar);
+  add(sensors.imu);
+  add(sensors.gnss);
+  add(sensors.wheel);
+  add(sensors.laser);
+  for (const std::string& fault : faults) {
+    std::fprintf(stderr, "slam-replay: %s (what was whole has been used; report.json counts the rest)\n", fault.c_str());
+  }
 }
 
 int run_planar(const Options& options, const Config& config, replay::Sensors sensors) {
@@ -90,6 +118,7 @@ int run_planar(const Options& options, const Config& config, replay::Sensors sen
   replay::PlanarReplay replay{config.vehicle, config.planar, config.odometry.scans.assembler};
   Progress progress{"replay", 1.0, options.quiet, ""};
   replay.run(drive, progress);
+  tell_faults(drive.sensors());
   if (!replay.write(drive.sensors(), options.out)) {
     std::fprintf(stderr, "slam-replay: %s: cannot write there (permission? disk full?)\n", options.out.c_str());
     return kCannotWrite;
@@ -99,26 +128,21 @@ int run_planar(const Options& options, const Config& config, replay::Sensors sen
 }
 
 int run(const Options& options) {
-  const std::string recorded_config = options.drive + "/slamd.yaml";
-  const bool take_recorded = options.config.empty() && std::filesystem::exists(recorded_config);
-  Loaded<Config> config = load_config(take_recorded ? recorded_config : options.config, options.overrides);
+  Loaded<Config> config = configuration(options);
   if (tell(config.faults)) return kBadConfig;
-  const std::string vehicle_path = options.drive + "/vehicle.yaml";
-  if (std::filesystem::exists(vehicle_path)) {
-    const Loaded<DriveVehicle> vehicle = load_drive_vehicle(vehicle_path);
-    if (tell(vehicle.faults)) return kBadConfig;
-    config.value.vehicle = vehicle.value.geometry;
-    config.value.vlp16.vertical_offsets = vehicle.value.lidar_vertical_offsets;
-  }
-  replay::Sensors sensors = replay::is_carmen_name(options.drive)
-                                ? open_carmen_log(options, config.value)
-                                : replay::open_drive_folder(options.drive, driver_configs(config.value));
-  if (options.no_gps) sensors.gnss.reset();
-  if (!sensors.lidar && !sensors.imu && !sensors.laser) {
-    std::fprintf(stderr, "slam-replay: %s: no lidar.pcap, imu.csv or imu.pcap that can be read there\n",
-                 options.drive.c_str());
+  replay::Recording recording = replay::open_recording(options.drive, wishes(options), driver_configs(config.value));
+  if (!recording.fault.empty()) {
+    std::fprintf(stderr, "slam-replay: %s\n", recording.fault.c_str());
     return kBadDrive;
   }
+  replay::Sensors sensors = std::move(recording.sensors);
+  if (options.no_gps) sensors.gnss.reset();
+  if (const std::string line = replay::missing_line(sensors); !line.empty()) recording.notes.push_back(line);
+  for (const std::string& note : recording.notes) {
+    if (!options.quiet) std::fprintf(stderr, "slam-replay: %s\n", note.c_str());
+  }
+  if (recording.T_base_lidar) config.value.vehicle.T_base_lidar = *recording.T_base_lidar;
+  if (!sensors.lidar && sensors.laser) config.value.mode = "planar";
   if (config.value.mode == "planar") return run_planar(options, config.value, std::move(sensors));
   replay::Drive drive{std::move(sensors), config.value.estimator.merge};
   replay::Output output{options.out};
@@ -140,7 +164,7 @@ int run(const Options& options) {
   }
   progress.finish(std::to_string(report.scans) + " scans, " + std::to_string(report.map_points) +
                   " map points, written to " + options.out);
-  tell_bad_lines(drive.sensors());
+  tell_faults(drive.sensors());
   if (report.scans == 0) {
     std::fprintf(stderr, "slam-replay: %s: no pose came out of it: no LiDAR, or less than a second of it (report.json has the counts)\n",
                  options.drive.c_str());
@@ -154,9 +178,13 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Runs a recorded drive through slamd's estimator as fast as possible.\n"
                "Writes odom.tum and map.tum (one pose a scan), imu_rate.tum, covariance.csv, closures.csv, map.pcd, report.json."};
-  app.add_option("DRIVE", options.drive, "drive folder: lidar.pcap, imu.csv, gps.csv, vehicle.yaml; a recording of slamd; or a CARMEN log (.clf, .log, .gz)")->required();
+  app.add_option("DRIVE", options.drive, "drive folder (lidar.pcap, imu.csv, gps.csv, vehicle.yaml; or a recording of slamd), ROS 1 bag, ROS 2 bag (.db3, folder),\n"
+                 "MCAP file, CARMEN log (.clf, .log, .gz), or capture of the LiDAR (pcap)")->required();
   app.add_option("--config", options.config, "slamd.yaml; without it the recording's own, else the defaults");
-  app.add_option("--out", options.out, "folder for the results, made when missing")->required();
+  app.add_option("--out", options.out, "folder for the results, made when missing");
+  app.add_flag("--list", options.list, "only say what is in DRIVE: topics, types, messages, what each is taken for");
+  app.add_option("--topic", options.topics, "of a bag: lidar|imu|gps|odometry|scan=/topic, over the choice by type; without a topic: none")
+      ->allow_extra_args(false);
   app.add_option("--set", options.overrides, "key=value over the configuration, may be repeated");
   app.add_flag("--no-gps", options.no_gps, "leave gps.csv unread");
   app.add_flag("--no-loops", options.no_loops, "no loop closure");
@@ -166,5 +194,7 @@ int main(int argc, char** argv) {
   app.add_flag("--no-map", options.no_map, "no back end and no map: no map.tum, no map.pcd, and the memory is the front end's alone");
   app.add_flag("--quiet", options.quiet, "no progress bar");
   CLI11_PARSE(app, argc, argv);
+  if (options.list) return list(options);
+  if (options.out.empty()) return app.exit(CLI::RequiredError("--out"));
   return run(options);
 }

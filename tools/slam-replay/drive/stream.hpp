@@ -20,7 +20,7 @@ struct StreamReport {
   std::uint64_t clock_jumps = 0;  // of the device's clock
   std::uint64_t resets = 0;       // of the device
   std::vector<Rejection> rejections;
-  std::string complaint;          // file, line and reason of the first bad line of a table; empty: none
+  std::string complaint;          // file, place and reason of the first part of the recording that could not be used; empty: none
 
   std::uint64_t refused() const {
     std::uint64_t sum = 0;
