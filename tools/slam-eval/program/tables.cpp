@@ -11,6 +11,8 @@
 #include "tools/slam-eval/tables/before_after.hpp"
 #include "tools/slam-eval/tables/child_process.hpp"
 #include "tools/slam-eval/tables/loop_closure_table.hpp"
+#include "tools/slam-eval/tables/paper_pictures.hpp"
+#include "tools/slam-eval/tables/paper_tables.hpp"
 #include "tools/slam-eval/tables/run_maker.hpp"
 
 namespace slamd::eval {
@@ -19,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct TablesOptions {
-  std::vector<std::string> scenarios{"campus", "hills"};
-  std::vector<std::string> seeds{"1-3"};
+  std::vector<std::string> scenarios;  // none: the paper's tables
+  std::vector<std::string> seeds;
   double length_m = 0.0;
   std::string out;
   RunMakerOptions maker;
@@ -42,14 +44,21 @@ void add_seeds(const std::string& word, std::vector<std::uint64_t>& seeds) {
   for (std::uint64_t seed = first; seed <= last; ++seed) seeds.push_back(seed);
 }
 
-std::vector<DriveName> drives_of(const TablesOptions& o) {
+std::vector<std::uint64_t> seeds_of(const TablesOptions& o) {
   std::vector<std::uint64_t> seeds;
   for (const std::string& word : o.seeds) add_seeds(word, seeds);
-  std::vector<DriveName> drives;
+  return seeds;
+}
+
+/// Drives without the back end and with parts of it.
+std::vector<Plan> ablation_plans(const TablesOptions& o) {
+  std::vector<Plan> plans;
   for (const std::string& scenario : o.scenarios) {
-    for (const std::uint64_t seed : seeds) drives.push_back({scenario, seed, o.length_m});
+    for (const std::uint64_t seed : seeds_of(o)) {
+      plans.push_back({{.scenario = scenario, .seed = seed, .length_m = o.length_m}, loop_closure_configurations()});
+    }
   }
-  return drives;
+  return plans;
 }
 
 void write_text(const fs::path& path, const std::string& text) {
@@ -58,52 +67,70 @@ void write_text(const fs::path& path, const std::string& text) {
   if (!out.flush()) throw InputError(path.string() + ": cannot be written");
 }
 
-void draw(const TablesOptions& o, const DriveName& drive) {
+void draw_ablation(const TablesOptions& o, const DriveName& drive) {
   const Trajectory truth = load_trajectory(truth_path(o.maker, drive), TrajectoryFormat::kTum);
   std::vector<LabelledPath> paths;
   for (const Configuration& configuration : loop_closure_configurations()) {
-    const Trajectory estimate = load_trajectory(trajectory_path(o.maker, drive, configuration), TrajectoryFormat::kTum);
+    const fs::path file = run_folder(o.maker, drive, configuration.name) / configuration.trajectory;
+    const Trajectory estimate = load_trajectory(file, TrajectoryFormat::kTum);
     paths.push_back({configuration.label, associate(truth, estimate, {.interpolate = true})});
   }
   write_before_after(drive.text(), paths, (fs::path{o.out} / (drive.text() + ".png")).string());
 }
 
-/// One picture a scenario, of its first seed.
-void draw_first_seeds(const TablesOptions& o, const std::vector<DriveName>& drives) {
+std::vector<Run> runs_of(const TablesOptions& o, const std::vector<Plan>& plans) {
+  Progress progress{"tables", static_cast<double>(count_steps(plans)), o.quiet, "steps"};
+  std::vector<Run> runs = make_runs(o.maker, plans, progress);
+  progress.finish("tables.md, tables.json and pictures are being written to " + o.out);
+  return runs;
+}
+
+void write_tables(const TablesOptions& o, const std::string& markdown, const nlohmann::ordered_json& json) {
+  write_text(fs::path{o.out} / "tables.md", markdown);
+  write_text(fs::path{o.out} / "tables.json", json.dump(2) + "\n");
+  std::cout << markdown;
+}
+
+/// What the back end does to the error; one picture a scenario, of its first seed.
+void run_ablation(const TablesOptions& o) {
+  const std::vector<Plan> plans = ablation_plans(o);
+  const std::vector<Run> runs = runs_of(o, plans);
   std::set<std::string> drawn;
-  for (const DriveName& drive : drives) {
-    if (drawn.insert(drive.scenario).second) draw(o, drive);
+  for (const Plan& plan : plans) {
+    if (drawn.insert(plan.drive.scenario).second) draw_ablation(o, plan.drive);
   }
+  write_tables(o, loop_closure_markdown(runs), loop_closure_json(runs));
+}
+
+/// Every table of the paper; figures of the first seed.
+void run_paper(const TablesOptions& o) {
+  const std::vector<std::uint64_t> seeds = seeds_of(o);
+  const std::vector<Run> runs = runs_of(o, paper_plans(seeds));
+  const std::vector<Figure> figures = draw_figures(o.maker, paper_plans({seeds.front()}), o.out);
+  write_tables(o, paper_markdown(runs) + figures_markdown(figures), paper_json(runs));
 }
 
 void run_tables(TablesOptions o) {
   if (o.maker.slam_sim.empty()) o.maker.slam_sim = find_sibling("slam-sim");
   if (o.maker.slam_replay.empty()) o.maker.slam_replay = find_sibling("slam-replay");
   if (o.maker.work.empty()) o.maker.work = fs::path{o.out} / "work";
+  const bool paper = o.scenarios.empty();
+  if (paper && o.length_m > 0.0) throw InputError("--length shortens the drives of --scenario; the paper's are whole");
+  if (o.seeds.empty()) o.seeds = {paper ? "1" : "1-3"};
   fs::create_directories(o.out);
-  const std::vector<DriveName> drives = drives_of(o);
-  const std::vector<Configuration>& configurations = loop_closure_configurations();
-  const double steps = static_cast<double>(drives.size() * (configurations.size() + 1));
-  Progress progress{"tables", steps, o.quiet, "steps"};
-  const std::vector<Run> runs = make_runs(o.maker, drives, configurations, progress);
-  draw_first_seeds(o, drives);
-  const std::string markdown = loop_closure_markdown(runs);
-  write_text(fs::path{o.out} / "tables.md", markdown);
-  write_text(fs::path{o.out} / "tables.json", loop_closure_json(runs).dump(2) + "\n");
-  progress.finish("tables.md, tables.json and pictures written to " + o.out);
-  std::cout << markdown;
+  paper ? run_paper(o) : run_ablation(o);
 }
 
 }  // namespace
 
 void add_tables(CLI::App& app) {
-  auto* command = app.add_subcommand("tables", "simulate drives, run them with parts of the back end, print the paper's tables beside ours");
+  auto* command = app.add_subcommand("tables", "every table and figure of the paper beside ours, from simulated drives; --scenario: what parts of the back end do to the error");
   auto o = std::make_shared<TablesOptions>();
   o->maker.jobs = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  command->add_option("--out", o->out, "folder for tables.md, tables.json and pictures (of each scenario's first seed)")->required();
-  command->add_option("--scenario", o->scenarios, "of slam-sim, one or more")->capture_default_str();
-  command->add_option("--seeds", o->seeds, "numbers and ranges FIRST-LAST")->capture_default_str();
-  command->add_option("--length", o->length_m, "end every drive after this many metres (0 = all of it)")
+  command->add_option("--out", o->out, "folder for tables.md, tables.json and pictures (of the first seed)")->required();
+  command->add_option("--scenario", o->scenarios, "of slam-sim, one or more: front end only, + loops, + GPS, + both on each (default: the paper's tables)");
+  command->add_option("--seeds", o->seeds, "numbers and ranges FIRST-LAST (default: 1; with --scenario 1-3)");
+  command->add_option("--length", o->length_m, "with --scenario: end every drive after this many metres (0 = all of it)")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--fault", o->maker.faults, "of slam-sim, for every drive; take another --work for other faults");
   command->add_option("--config", o->maker.config, "slamd.yaml of slam-replay (default: built-in)")->check(CLI::ExistingFile);

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
+
+#include "tools/slam-eval/tables/table_text.hpp"
 
 namespace slamd::eval {
 namespace {
@@ -22,21 +23,9 @@ constexpr std::array<PaperRow, 4> kPaper{{{"Velodyne", "open loop", 0.615, 0.154
                                           {"RoboSense", "open loop", 0.404, 0.152, 0.404, 0.152},
                                           {"RoboSense", "+ GTSAM PGO", 0.585, 0.297, 0.404, 0.152}}};
 
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  std::array<char, 400> text{};
-  std::snprintf(text.data(), text.size(), pattern, values...);
-  return text.data();
-}
-
 const std::string& label(const std::string& configuration) {
   const auto& all = loop_closure_configurations();
   return std::ranges::find(all, configuration, &Configuration::name)->label;
-}
-
-std::string text(const Spread& s, const char* number) {
-  const std::string pattern = std::string(number) + " / " + number + " / " + number;
-  return format(pattern.c_str(), s.least, s.median, s.most);
 }
 
 std::string paper_table() {

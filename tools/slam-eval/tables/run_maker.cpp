@@ -1,8 +1,10 @@
 #include "tools/slam-eval/tables/run_maker.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <fstream>
+#include <iterator>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -10,6 +12,7 @@
 #include "tools/slam-eval/alignment.hpp"
 #include "tools/slam-eval/association.hpp"
 #include "tools/slam-eval/tables/child_process.hpp"
+#include "tools/slam-eval/tables/gps_track.hpp"
 
 namespace slamd::eval {
 namespace {
@@ -32,15 +35,12 @@ void evaluate(const fs::path& truth_file, const fs::path& estimate_file, Run& ru
   run.ape = statistics(ape(matched.truth, aligned(over_truth, matched.estimate), kDistance));
   const std::vector<PosePair> pairs = pose_pairs(matched.estimate, {.delta = 1.0, .unit = DeltaUnit::kMetres});
   run.rpe = statistics(rpe(matched.truth, matched.estimate, pairs, kDistance));
+  run.ape_to_gps = ape_to_gps(load_gps_track(truth_file.parent_path()), estimate);
 }
 
 std::uint64_t closures_of(const fs::path& report) {
   const nlohmann::json json = nlohmann::json::parse(std::ifstream{report}, nullptr, false);
   return json.contains("back_end") ? json["back_end"].value("closures", std::uint64_t{0}) : 0;
-}
-
-fs::path run_folder(const RunMakerOptions& options, const DriveName& drive, const Configuration& configuration) {
-  return options.work / "runs" / drive.text() / configuration.name;
 }
 
 /// The drive's folder appears when it is whole.
@@ -53,13 +53,15 @@ void make_drive(const RunMakerOptions& options, const DriveName& drive) {
   std::vector<std::string> command{options.slam_sim, "--scenario", drive.scenario, "--seed", std::to_string(drive.seed),
                                    "--quiet", "--threads", "1", "--out", part.string()};
   if (drive.length_m > 0.0) command.insert(command.end(), {"--length", std::to_string(drive.length_m)});
+  if (!drive.lidar.empty()) command.insert(command.end(), {"--lidar", drive.lidar});
+  command.insert(command.end(), drive.options.begin(), drive.options.end());
   for (const std::string& fault : options.faults) command.insert(command.end(), {"--fault", fault});
   run_program(command, folder.string() + ".log");
   fs::rename(part, folder);
 }
 
 Run make_run(const RunMakerOptions& options, const DriveName& drive, const Configuration& configuration) {
-  const fs::path out = run_folder(options, drive, configuration);
+  const fs::path out = run_folder(options, drive, configuration.name);
   fs::create_directories(out);
   std::vector<std::string> command{options.slam_replay, (options.work / "drives" / drive.text()).string(), "--quiet",
                                    "--out", out.string()};
@@ -74,13 +76,11 @@ Run make_run(const RunMakerOptions& options, const DriveName& drive, const Confi
 /// Work shared by the threads: drives are taken in order, the first failure ends all.
 class Jobs {
  public:
-  Jobs(const RunMakerOptions& options, const std::vector<DriveName>& drives,
-       const std::vector<Configuration>& configurations, Progress& progress)
-      : options_{options}, drives_{drives}, configurations_{configurations}, progress_{progress},
-        runs_(drives.size() * configurations.size()) {}
+  Jobs(const RunMakerOptions& options, const std::vector<Plan>& plans, Progress& progress)
+      : options_{options}, plans_{plans}, progress_{progress}, runs_(plans.size()) {}
 
   void work() {
-    for (std::size_t i = next_++; i < drives_.size() && !failed_; i = next_++) {
+    for (std::size_t i = next_++; i < plans_.size() && !failed_; i = next_++) {
       try {
         take(i);
       } catch (...) {
@@ -93,17 +93,21 @@ class Jobs {
 
   std::vector<Run> result() {
     if (failure_) std::rethrow_exception(failure_);
-    return std::move(runs_);
+    std::vector<Run> all;
+    for (std::vector<Run>& runs : runs_) std::ranges::move(runs, std::back_inserter(all));
+    return all;
   }
 
  private:
   void take(std::size_t i) {
-    show(drives_[i].text(), 0.0);
-    make_drive(options_, drives_[i]);
-    show(drives_[i].text(), 1.0);
-    for (std::size_t k = 0; k < configurations_.size() && !failed_; ++k) {
-      runs_[i * configurations_.size() + k] = make_run(options_, drives_[i], configurations_[k]);
-      show(drives_[i].text() + " " + configurations_[k].name, 1.0);
+    const DriveName& drive = plans_[i].drive;
+    show(drive.text(), 0.0);
+    make_drive(options_, drive);
+    show(drive.text(), 1.0);
+    for (const Configuration& configuration : plans_[i].configurations) {
+      if (failed_) return;
+      runs_[i].push_back(make_run(options_, drive, configuration));
+      show(drive.text() + " " + configuration.name, 1.0);
     }
   }
 
@@ -114,10 +118,9 @@ class Jobs {
   }
 
   const RunMakerOptions& options_;
-  const std::vector<DriveName>& drives_;
-  const std::vector<Configuration>& configurations_;
+  const std::vector<Plan>& plans_;
   Progress& progress_;
-  std::vector<Run> runs_;
+  std::vector<std::vector<Run>> runs_;  // of each plan
   std::atomic<std::size_t> next_{0};
   std::atomic<bool> failed_{false};
   std::mutex mutex_;
@@ -127,17 +130,22 @@ class Jobs {
 
 }  // namespace
 
-fs::path trajectory_path(const RunMakerOptions& options, const DriveName& drive, const Configuration& configuration) {
-  return run_folder(options, drive, configuration) / configuration.trajectory;
+fs::path run_folder(const RunMakerOptions& options, const DriveName& drive, const std::string& configuration) {
+  return options.work / "runs" / drive.text() / configuration;
 }
 
 fs::path truth_path(const RunMakerOptions& options, const DriveName& drive) {
   return options.work / "drives" / drive.text() / "truth.tum";
 }
 
-std::vector<Run> make_runs(const RunMakerOptions& options, const std::vector<DriveName>& drives,
-                           const std::vector<Configuration>& configurations, Progress& progress) {
-  Jobs jobs{options, drives, configurations, progress};
+std::size_t count_steps(const std::vector<Plan>& plans) {
+  std::size_t steps = 0;
+  for (const Plan& plan : plans) steps += 1 + plan.configurations.size();
+  return steps;
+}
+
+std::vector<Run> make_runs(const RunMakerOptions& options, const std::vector<Plan>& plans, Progress& progress) {
+  Jobs jobs{options, plans, progress};
   {
     std::vector<std::jthread> helpers;
     for (int i = 1; i < options.jobs; ++i) helpers.emplace_back([&jobs] { jobs.work(); });

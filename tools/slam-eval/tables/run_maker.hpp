@@ -18,15 +18,16 @@ struct RunMakerOptions {
   int jobs = 1;                    // drives at a time
 };
 
-/// Where the trajectory of a run is.
-std::filesystem::path trajectory_path(const RunMakerOptions& options, const DriveName& drive,
-                                      const Configuration& configuration);
+/// Where slam-replay has put what it made of a drive in a configuration (its name).
+std::filesystem::path run_folder(const RunMakerOptions& options, const DriveName& drive, const std::string& configuration);
 /// Where the truth of a drive is.
 std::filesystem::path truth_path(const RunMakerOptions& options, const DriveName& drive);
 
-/// Every drive in every configuration, in that order. Progress counts runs, a drive that is to be made for one. Throws
+/// Every drive in each of its configurations, in that order. Progress counts runs, a drive that is to be made for one. Throws
 /// InputError when a program fails; runs under way are ended first.
-std::vector<Run> make_runs(const RunMakerOptions& options, const std::vector<DriveName>& drives,
-                           const std::vector<Configuration>& configurations, Progress& progress);
+std::vector<Run> make_runs(const RunMakerOptions& options, const std::vector<Plan>& plans, Progress& progress);
+
+/// How many steps of progress that is.
+std::size_t count_steps(const std::vector<Plan>& plans);
 
 }  // namespace slamd::eval

@@ -19,13 +19,6 @@ std::vector<std::string> scenarios_of(const std::vector<Run>& runs) {
   return names;
 }
 
-const Run* find(const std::vector<Run>& runs, const DriveName& drive, const std::string& configuration) {
-  const auto found = std::ranges::find_if(runs, [&](const Run& run) {
-    return run.drive.text() == drive.text() && run.configuration == configuration;
-  });
-  return found == runs.end() ? nullptr : &*found;
-}
-
 Summary summary_of(const std::vector<Run>& runs, const std::string& scenario, const std::string& configuration,
                    const std::string& reference) {
   std::vector<double> ape, rpe, ape_ratio, rpe_ratio, closures;
@@ -36,7 +29,7 @@ Summary summary_of(const std::vector<Run>& runs, const std::string& scenario, co
     ape.push_back(run.ape.rmse);
     rpe.push_back(run.rpe.rmse);
     closures.push_back(static_cast<double>(run.closures));
-    const Run* before = find(runs, run.drive, reference);
+    const Run* before = find(runs, run.drive.text(), reference);
     if (before == nullptr || before->ape.rmse <= 0.0 || before->rpe.rmse <= 0.0) continue;
     ape_ratio.push_back(run.ape.rmse / before->ape.rmse);
     rpe_ratio.push_back(run.rpe.rmse / before->rpe.rmse);
@@ -56,7 +49,16 @@ Summary summary_of(const std::vector<Run>& runs, const std::string& scenario, co
 std::string DriveName::text() const {
   std::string name = scenario + "-" + std::to_string(seed);
   if (length_m > 0.0) name += "-" + std::to_string(std::lround(length_m)) + "m";
+  for (const std::string& part : {lidar, variant}) {
+    if (!part.empty()) name += "-" + part;
+  }
   return name;
+}
+
+const Run* find(const std::vector<Run>& runs, const std::string& drive, const std::string& configuration) {
+  const auto found = std::ranges::find_if(
+      runs, [&](const Run& run) { return run.drive.text() == drive && run.configuration == configuration; });
+  return found == runs.end() ? nullptr : &*found;
 }
 
 Spread spread(std::vector<double> values) {

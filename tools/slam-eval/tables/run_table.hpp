@@ -23,9 +23,18 @@ struct DriveName {
   std::string scenario;
   std::uint64_t seed = 1;
   double length_m = 0.0;  // 0 = the scenario's whole course
+  std::string lidar;      // of slam-sim --lidar; empty = the scenario's own
+  std::vector<std::string> options;  // of slam-sim beside those; part of what `variant` names
+  std::string variant;    // of drives that differ in options alone
 
-  /// "campus-1", "campus-1-100m": its folder.
+  /// "campus-1", "campus-1-100m", "campus-1-airy": its folder.
   std::string text() const;
+};
+
+/// A drive, and the ways to run it.
+struct Plan {
+  DriveName drive;
+  std::vector<Configuration> configurations;
 };
 
 struct Run {
@@ -35,6 +44,7 @@ struct Run {
   std::uint64_t closures = 0; // in the last solution
   Statistics ape{};           // metres, SE(3)-aligned
   Statistics rpe{};           // metres over 1 m
+  Statistics ape_to_gps{};    // horizontal metres to the receiver's track; count 0 where the drive has none
 };
 
 struct Spread {
@@ -42,6 +52,9 @@ struct Spread {
   double median = 0.0;
   double most = 0.0;
 };
+
+/// The run of a drive (its text()) in a configuration (its name); null when it is not there.
+const Run* find(const std::vector<Run>& runs, const std::string& drive, const std::string& configuration);
 
 /// All zero for an empty list.
 Spread spread(std::vector<double> values);
