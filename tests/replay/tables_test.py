@@ -62,5 +62,40 @@ class Tables(unittest.TestCase):
         self.assertIn("no-such-place", failed.stderr)
 
 
+class PaperTables(unittest.TestCase):
+    """Every drive of the paper's tables, cut to a few metres: what is there, not how good it is."""
+
+    @classmethod
+    def setUpClass(cls):
+        with tempfile.TemporaryDirectory(prefix="slamd-paper-") as folder:
+            command = [os.environ["SLAM_EVAL"], "tables", "--out", folder, "--slam-sim", os.environ["SLAM_SIM"],
+                       "--slam-replay", os.environ["SLAM_REPLAY"], "--jobs", "2", "--length", "25"]
+            cls.done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=400)
+            out = pathlib.Path(folder)
+            cls.tables = json.loads((out / "tables.json").read_text(encoding="utf-8"))["tables"] if cls.done.returncode == 0 else []
+            cls.pictures = {path.name: path.read_bytes()[:8] for path in out.glob("*.png")}
+
+    def test_every_row_has_its_run(self):
+        self.assertEqual(self.done.returncode, 0, self.done.stderr)
+        self.assertGreaterEqual(len(self.tables), 5)
+        for table in self.tables:
+            for row in table["rows"]:
+                self.assertEqual(len(row["runs"]), 1, (table["title"], row["label"]))
+                self.assertLess(row["runs"][0]["ape_m"]["rmse"], 1.0, row)
+                if table["ape_to_gps"]:
+                    self.assertGreater(row["runs"][0]["ape_to_gps_m"]["rmse"], 0.0, row)
+
+    def test_the_papers_numbers_stand_beside_ours(self):
+        for line in ("| C1: TurtleBot3, LDS-01 | 0.011 | 0.012 |", "| RPLidar A2 | 0.203 | 0.067 |",
+                     "| paper: APE | 0.580 | 0.535 | 0.615 | 1.308 |", "| RoboSense Airy, + pose graph | 0.585 | 0.297 |"):
+            self.assertIn(line, self.done.stdout)
+
+    def test_there_are_grids_maps_and_pictures_before_and_after(self):
+        for name in ("house-1-25m-planar.png", "campus-1-25m-rplidar-a2-wheel-planar.png", "campus-1-25m-vlp16-map.png",
+                     "campus-1-25m-airy-before-after.png"):
+            self.assertEqual(self.pictures.get(name), b"\x89PNG\r\n\x1a\n", sorted(self.pictures))
+            self.assertIn(f"({name})", self.done.stdout)
+
+
 if __name__ == "__main__":
     unittest.main()

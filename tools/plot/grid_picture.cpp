@@ -72,6 +72,13 @@ std::vector<std::uint32_t> pixels_of(const GridImage& grid, const Frame& frame) 
   return pixels;
 }
 
+void draw_path(Canvas& canvas, const Frame& frame, const ColouredPath& path) {
+  if (!path.values.empty()) return draw_coloured_path(canvas, frame, path, 3.0, rgb(0xFFFFFF, 0.6));
+  std::vector<Point> points;
+  for (const Point& p : path.points) points.push_back(frame.at(p.x, p.y));
+  canvas.polyline(points, {series_colour(0), 3.0});
+}
+
 }  // namespace
 
 void write_grid_picture(const GridPicture& picture, const std::string& path) {
@@ -83,7 +90,9 @@ void write_grid_picture(const GridPicture& picture, const std::string& path) {
   const Frame frame = equal_frame({0.0, kHeaderPx, picture.width_px - kBarPx, height_px - kHeaderPx}, extent.x, extent.y);
   canvas.image(pixels_of(picture.grid, frame), static_cast<int>(frame.area.width), frame.area);
   if (!picture.path.points.empty()) {
-    canvas.clipped(frame.area, [&] { draw_coloured_path(canvas, frame, picture.path, 3.0, rgb(0xFFFFFF, 0.6)); });
+    canvas.clipped(frame.area, [&] { draw_path(canvas, frame, picture.path); });
+  }
+  if (!picture.path.values.empty()) {
     const Rect bar{frame.area.right() + 26.0, frame.area.y + 34.0, 16.0, std::min(360.0, frame.area.height - 70.0)};
     draw_colour_bar(canvas, bar, {picture.path.range, picture.value_label, error_gradient()}, theme);
   }

@@ -5,9 +5,11 @@
 #include <map>
 #include <memory>
 
+#include "tools/plot/grid_picture.hpp"
 #include "tools/plot/map_picture.hpp"
 #include "tools/plot/pcd_file.hpp"
 #include "tools/slam-eval/program/commands.hpp"
+#include "tools/slam-eval/tables/drawn_path.hpp"
 
 namespace slamd::eval {
 namespace {
@@ -46,42 +48,49 @@ std::string point_count(std::size_t count) {
   return n < 1e6 ? text("%.0f thousand map points", n / 1e3) : text("%.1f million map points", n / 1e6);
 }
 
-void add_plain_path(const Trajectory& trajectory, plot::MapPicture& picture) {
-  for (const Pose& pose : trajectory.poses) picture.path.points.push_back(top_down(pose));
-}
+/// What is drawn on a map: the path, by error when there is a truth.
+struct Overlay {
+  DrawnPath drawn;
+  std::string words;
+};
 
-// The truth is laid over the estimate, because the map is in the estimate's frame; errors are those of an aligned APE.
-void add_path_with_errors(const Trajectory& trajectory, const PictureOptions& o, plot::MapPicture& picture) {
+Overlay overlay_of(const PictureOptions& o) {
+  Overlay overlay;
+  if (o.trajectory_path.empty()) return overlay;
+  const Trajectory trajectory = load_trajectory(o.trajectory_path, guess_format(o.trajectory_path));
+  overlay.words = text("%.0f m driven  ·  ", length_m(trajectory.poses));
+  if (o.truth_path.empty()) {
+    for (const Pose& pose : trajectory.poses) overlay.drawn.path.points.push_back(top_down(pose));
+    return overlay;
+  }
   const Trajectory truth = load_trajectory(o.truth_path, guess_format(o.truth_path));
-  const MatchedPoses matched = associate(truth, trajectory, o.association);
-  const Similarity over_estimate = fit(Alignment::kSe3Umeyama, matched.estimate, matched.truth);
-  const std::vector<Pose> truth_in_odom = aligned(over_estimate, matched.truth);
-  picture.path.values = ape(truth_in_odom, matched.estimate, PoseRelation::kTranslationPart);
-  picture.path.range = plot::colour_range(picture.path.values);
-  picture.value_label = "error [m]";
-  for (const Pose& pose : matched.estimate) picture.path.points.push_back(top_down(pose));
-  for (const Pose& pose : truth_in_odom) picture.truth.push_back(top_down(pose));
-  const Statistics s = statistics(picture.path.values);
-  picture.subtitle += text("  ·  APE RMSE %.3f m, worst %.3f m", s.rmse, s.max);
+  overlay.drawn = path_by_error(associate(truth, trajectory, o.association));
+  overlay.words += text("APE RMSE %.3f m, worst %.3f m  ·  ", overlay.drawn.ape.rmse, overlay.drawn.ape.max);
+  return overlay;
 }
 
-void run_picture(const PictureOptions& o) {
+void draw_cloud(const PictureOptions& o, Overlay overlay) {
   plot::MapPicture picture;
   picture.points = plot::read_pcd(o.map_path);
   picture.colour = o.colour;
   picture.title = o.title;
   picture.width_px = o.width_px;
-  picture.subtitle = point_count(picture.points.size());
-  if (!o.trajectory_path.empty()) {
-    const Trajectory trajectory = load_trajectory(o.trajectory_path, guess_format(o.trajectory_path));
-    picture.subtitle = text("%.0f m driven  ·  ", length_m(trajectory.poses)) + picture.subtitle;
-    if (o.truth_path.empty()) {
-      add_plain_path(trajectory, picture);
-    } else {
-      add_path_with_errors(trajectory, o, picture);
-    }
-  }
+  picture.subtitle = overlay.words + point_count(picture.points.size());
+  picture.value_label = "error [m]";
+  picture.path = std::move(overlay.drawn.path);
+  picture.truth = std::move(overlay.drawn.truth);
   plot::write_map_picture(picture, o.out_path);
+}
+
+void draw_grid(const PictureOptions& o, Overlay overlay) {
+  plot::GridPicture picture{plot::load_grid(o.map_path), std::move(overlay.drawn.path), o.title, "", "error [m]", o.width_px};
+  picture.subtitle = overlay.words + text("%.2f m a cell", picture.grid.resolution_m);
+  plot::write_grid_picture(picture, o.out_path);
+}
+
+void run_picture(const PictureOptions& o) {
+  const bool is_grid = o.map_path.ends_with(".yaml");
+  is_grid ? draw_grid(o, overlay_of(o)) : draw_cloud(o, overlay_of(o));
   std::cout << "wrote " << o.out_path << '\n';
 }
 
@@ -90,7 +99,7 @@ void run_picture(const PictureOptions& o) {
 void add_picture(CLI::App& app) {
   auto* command = app.add_subcommand("picture", "draw a map from above with the trajectory on it");
   auto o = std::make_shared<PictureOptions>();
-  command->add_option("--map", o->map_path, "PCD file")->required();
+  command->add_option("--map", o->map_path, "PCD file, or map.yaml of an occupancy grid")->required();
   auto* trajectory = command->add_option("--trajectory", o->trajectory_path, "TUM or KITTI file in the map's frame");
   command->add_option("--truth", o->truth_path, "TUM file; colours the trajectory by its error")->needs(trajectory);
   command->add_option("--time-offset", o->association.time_offset_s, "added to the trajectory's stamps, s");

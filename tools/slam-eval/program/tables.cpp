@@ -105,8 +105,8 @@ void run_ablation(const TablesOptions& o) {
 /// Every table of the paper; figures of the first seed.
 void run_paper(const TablesOptions& o) {
   const std::vector<std::uint64_t> seeds = seeds_of(o);
-  const std::vector<Run> runs = runs_of(o, paper_plans(seeds));
-  const std::vector<Figure> figures = draw_figures(o.maker, paper_plans({seeds.front()}), o.out);
+  const std::vector<Run> runs = runs_of(o, paper_plans(seeds, o.length_m));
+  const std::vector<Figure> figures = draw_figures(o.maker, paper_plans({seeds.front()}, o.length_m), o.out);
   write_tables(o, paper_markdown(runs) + figures_markdown(figures), paper_json(runs));
 }
 
@@ -115,7 +115,6 @@ void run_tables(TablesOptions o) {
   if (o.maker.slam_replay.empty()) o.maker.slam_replay = find_sibling("slam-replay");
   if (o.maker.work.empty()) o.maker.work = fs::path{o.out} / "work";
   const bool paper = o.scenarios.empty();
-  if (paper && o.length_m > 0.0) throw InputError("--length shortens the drives of --scenario; the paper's are whole");
   if (o.seeds.empty()) o.seeds = {paper ? "1" : "1-3"};
   fs::create_directories(o.out);
   paper ? run_paper(o) : run_ablation(o);
@@ -130,7 +129,7 @@ void add_tables(CLI::App& app) {
   command->add_option("--out", o->out, "folder for tables.md, tables.json and pictures (of the first seed)")->required();
   command->add_option("--scenario", o->scenarios, "of slam-sim, one or more: front end only, + loops, + GPS, + both on each (default: the paper's tables)");
   command->add_option("--seeds", o->seeds, "numbers and ranges FIRST-LAST (default: 1; with --scenario 1-3)");
-  command->add_option("--length", o->length_m, "with --scenario: end every drive after this many metres (0 = all of it)")
+  command->add_option("--length", o->length_m, "end every drive after this many metres (0 = all of it)")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--fault", o->maker.faults, "of slam-sim, for every drive; take another --work for other faults");
   command->add_option("--config", o->maker.config, "slamd.yaml of slam-replay (default: built-in)")->check(CLI::ExistingFile);

@@ -3,21 +3,15 @@
 #include "tools/plot/grid_picture.hpp"
 #include "tools/plot/map_picture.hpp"
 #include "tools/plot/pcd_file.hpp"
-#include "tools/slam-eval/alignment.hpp"
 #include "tools/slam-eval/association.hpp"
 #include "tools/slam-eval/tables/before_after.hpp"
+#include "tools/slam-eval/tables/drawn_path.hpp"
 #include "tools/slam-eval/tables/table_text.hpp"
 
 namespace slamd::eval {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A run's trajectory in its own map, and its errors.
-struct DrawnPath {
-  plot::ColouredPath path;
-  std::string subtitle;
-};
 
 class Painter {
  public:
@@ -29,41 +23,32 @@ class Painter {
     return associate(truth_, load_trajectory(file, TrajectoryFormat::kTum), {.interpolate = true});
   }
 
-  DrawnPath path_of(const Configuration& configuration) const {
-    const MatchedPoses poses = matched(configuration);
-    const std::vector<Pose> over = aligned(fit(Alignment::kSe3Umeyama, poses.estimate, poses.truth), poses.truth);
-    DrawnPath drawn;
-    drawn.path.values = ape(over, poses.estimate, PoseRelation::kTranslationPart);
-    drawn.path.range = plot::colour_range(drawn.path.values);
-    for (const Pose& pose : poses.estimate) drawn.path.points.push_back({pose.translation.x(), pose.translation.y()});
-    const Statistics s = statistics(drawn.path.values);
-    drawn.subtitle = drive_.text() + ", " + configuration.label + format(": APE RMSE %.4f m, max %.4f m", s.rmse, s.max);
-    return drawn;
+  std::string caption(const Configuration& configuration, const Statistics& s) const {
+    return drive_.text() + ", " + configuration.label + format(": APE RMSE %.4f m, max %.4f m", s.rmse, s.max);
   }
 
   void grid(const Configuration& configuration, std::vector<Figure>& figures) const {
     const fs::path yaml = run_folder(options_, drive_, configuration.name) / "map.yaml";
     if (!fs::exists(yaml)) return;
-    const DrawnPath drawn = path_of(configuration);
-    const std::string file = drive_.text() + "-" + configuration.name + ".png";
-    plot::write_grid_picture({plot::load_grid(yaml.string()), drawn.path, "occupancy grid", drawn.subtitle, "error [m]"},
-                             (folder_ / file).string());
-    figures.push_back({file, drawn.subtitle});
+    const DrawnPath drawn = path_by_error(matched(configuration));
+    const std::string words = caption(configuration, drawn.ape), file = drive_.text() + "-" + configuration.name + ".png";
+    plot::write_grid_picture({plot::load_grid(yaml.string()), drawn.path, "occupancy grid", words, "error [m]"}, (folder_ / file).string());
+    figures.push_back({file, words});
   }
 
   void cloud(const Configuration& configuration, std::vector<Figure>& figures) const {
     const fs::path pcd = run_folder(options_, drive_, configuration.name) / "map.pcd";
     if (!fs::exists(pcd)) return;
-    DrawnPath drawn = path_of(configuration);
+    DrawnPath drawn = path_by_error(matched(configuration));
     plot::MapPicture picture;
-    picture.points = plot::load_pcd(pcd.string());
+    picture.points = plot::read_pcd(pcd.string());
     picture.path = std::move(drawn.path);
     picture.title = "3D map";
-    picture.subtitle = drawn.subtitle;
+    picture.subtitle = caption(configuration, drawn.ape);
     picture.value_label = "error [m]";
     const std::string file = drive_.text() + "-map.png";
     plot::write_map_picture(picture, (folder_ / file).string());
-    figures.push_back({file, drawn.subtitle});
+    figures.push_back({file, picture.subtitle});
   }
 
   void before_after(const Configuration& before, const Configuration& after, std::vector<Figure>& figures) const {

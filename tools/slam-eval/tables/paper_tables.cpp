@@ -65,6 +65,7 @@ struct Ours {
 bool is_of(const Run& run, const PaperRow& row) {
   DriveName drive = row.drive;
   drive.seed = run.drive.seed;
+  drive.length_m = run.drive.length_m;
   return drive.text() == run.drive.text() && run.configuration == row.configuration.name;
 }
 
@@ -142,13 +143,14 @@ const std::vector<PaperTable>& paper_tables() {
   return kAll;
 }
 
-std::vector<Plan> paper_plans(const std::vector<std::uint64_t>& seeds) {
+std::vector<Plan> paper_plans(const std::vector<std::uint64_t>& seeds, double length_m) {
   std::vector<Plan> plans;
   for (const std::uint64_t seed : seeds) {
     for (const PaperTable& table : paper_tables()) {
       for (const PaperRow& row : table.rows) {
         DriveName drive = row.drive;
         drive.seed = seed;
+        drive.length_m = length_m;
         auto plan = std::ranges::find(plans, drive.text(), [](const Plan& p) { return p.drive.text(); });
         if (plan == plans.end()) plan = plans.insert(plans.end(), {drive, {}});
         const bool there = std::ranges::count(plan->configurations, row.configuration.name, &Configuration::name) > 0;

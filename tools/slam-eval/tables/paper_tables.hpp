@@ -34,8 +34,8 @@ struct PaperTable {
 /// In the paper's order: C1; sensors in 2D; loop closure; C1, C2 and C3; recorded cycles to GPS.
 const std::vector<PaperTable>& paper_tables();
 
-/// All that the tables need, each drive and run once.
-std::vector<Plan> paper_plans(const std::vector<std::uint64_t>& seeds);
+/// All that the tables need, each drive and run once. length_m  where every drive ends, 0 = whole
+std::vector<Plan> paper_plans(const std::vector<std::uint64_t>& seeds, double length_m = 0.0);
 
 /// The tables, and the front end's with mean, median, RMSE and greatest error.
 std::string paper_markdown(const std::vector<Run>& runs);

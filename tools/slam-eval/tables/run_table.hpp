@@ -23,9 +23,9 @@ struct DriveName {
   std::string scenario;
   std::uint64_t seed = 1;
   double length_m = 0.0;  // 0 = the scenario's whole course
-  std::string lidar;      // of slam-sim --lidar; empty = the scenario's own
-  std::vector<std::string> options;  // of slam-sim beside those; part of what `variant` names
-  std::string variant;    // of drives that differ in options alone
+  std::string lidar{};    // of slam-sim --lidar; empty = the scenario's own
+  std::vector<std::string> options{};  // of slam-sim beside those; part of what `variant` names
+  std::string variant{};  // of drives that differ in options alone
 
   /// "campus-1", "campus-1-100m", "campus-1-airy": its folder.
   std::string text() const;
