@@ -91,7 +91,7 @@ class PaperTables(unittest.TestCase):
             self.assertIn(line, self.done.stdout)
 
     def test_there_are_grids_maps_and_pictures_before_and_after(self):
-        for name in ("house-1-25m-planar.png", "campus-1-25m-rplidar-a2-wheel-planar.png", "campus-1-25m-vlp16-map.png",
+        for name in ("house-1-25m-planar.png", "campus-1-25m-rplidar_a2-wheel-planar.png", "campus-1-25m-vlp16-map.png",
                      "campus-1-25m-airy-before-after.png"):
             self.assertEqual(self.pictures.get(name), b"\x89PNG\r\n\x1a\n", sorted(self.pictures))
             self.assertIn(f"({name})", self.done.stdout)

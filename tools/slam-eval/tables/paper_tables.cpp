@@ -42,7 +42,7 @@ std::vector<PaperTable> make_tables() {
            {ring,
             {"VLP-16, level cut of all rings", planar_campus("vlp16"), planar(), {}, {}},
             {"RoboSense Airy, level cut", planar_campus("airy"), planar(), {0.089, 0.028}, {0.030, 0.015}},
-            {"RPLidar A2", planar_campus("rplidar-a2"), planar(), {0.203, 0.067}, {0.10, 0.03}}}},
+            {"RPLidar A2", planar_campus("rplidar_a2"), planar(), {0.203, 0.067}, {0.10, 0.03}}}},
           {"Effect of loop closure on pose error (C3, E-sim)",
            {open, closed,
             {"RoboSense Airy, open loop", campus("airy"), front_end(), {0.404, 0.152}, {}},
