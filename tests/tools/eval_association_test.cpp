@@ -93,5 +93,15 @@ TEST(NoOverlap, with_overlapping_spans_points_to_interpolation) {
   EXPECT_EQ(text.find("--time-offset"), std::string::npos);
 }
 
+TEST(InPlane, heading_and_place_stay_height_and_lean_go) {
+  const Eigen::Quaterniond lean = Eigen::AngleAxisd{0.7, Eigen::Vector3d::UnitZ()} * Eigen::AngleAxisd{0.2, Eigen::Vector3d::UnitY()} *
+                                  Eigen::Quaterniond{Eigen::AngleAxisd{-0.1, Eigen::Vector3d::UnitX()}};
+  MatchedPoses matched{{}, {{lean, {1, 2, 3}}}, {{Eigen::Quaterniond::Identity(), {4, 5, -6}}}};
+  project_to_plane(matched);
+  EXPECT_EQ(matched.truth[0].translation, Eigen::Vector3d(1, 2, 0));
+  EXPECT_NEAR(matched.truth[0].rotation.angularDistance(Eigen::Quaterniond{Eigen::AngleAxisd{0.7, Eigen::Vector3d::UnitZ()}}), 0.0, 1e-12);
+  EXPECT_EQ(matched.estimate[0].translation, Eigen::Vector3d(4, 5, 0));
+}
+
 }  // namespace
 }  // namespace slamd::eval

@@ -140,4 +140,14 @@ MatchedPoses associate(const Trajectory& truth, const Trajectory& estimate, cons
   return matched;
 }
 
+void project_to_plane(MatchedPoses& matched) {
+  for (std::vector<Pose>* poses : {&matched.truth, &matched.estimate}) {
+    for (Pose& pose : *poses) {
+      const Eigen::Vector3d ahead = pose.rotation * Eigen::Vector3d::UnitX();
+      pose.rotation = Eigen::AngleAxisd{std::atan2(ahead.y(), ahead.x()), Eigen::Vector3d::UnitZ()};
+      pose.translation.z() = 0.0;
+    }
+  }
+}
+
 }  // namespace slamd::eval

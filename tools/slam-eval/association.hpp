@@ -27,4 +27,7 @@ struct MatchedPoses {
 /// Source: evo (Grupp 2017), sync.associate_trajectories; equality checked in tests/tools/eval_evo_test.cpp.
 MatchedPoses associate(const Trajectory& truth, const Trajectory& estimate, const AssociationOptions& options);
 
+/// What a planar estimate can be asked for: z is 0, and of the attitude the heading alone stays (of its x axis; turns of z leave it).
+void project_to_plane(MatchedPoses& matched);
+
 }  // namespace slamd::eval

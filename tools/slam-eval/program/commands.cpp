@@ -31,6 +31,7 @@ void add_input_options(CLI::App& command, CommonOptions& o) {
   command.add_option("--time-offset,--t_offset", o.association.time_offset_s, "added to the estimate's stamps, s");
   command.add_flag("--interpolate", o.association.interpolate,
                    "compare with the truth interpolated to the estimate's stamps");
+  command.add_flag("--in-plane", o.in_plane, "compare x, y and heading alone, as a planar estimate has them");
   command
       .add_option_function<std::vector<std::string>>(
           "-r,--relation",
@@ -71,6 +72,7 @@ MatchedPoses load_aligned(const CommonOptions& o) {
   const Trajectory truth = load(o.truth_path, o.format);
   const Trajectory estimate = load(o.estimate_path, o.format);
   MatchedPoses matched = associate(truth, estimate, o.association);
+  if (o.in_plane) project_to_plane(matched);
   matched.estimate = aligned(fit(o.alignment, matched.truth, matched.estimate, o.align_count), matched.estimate);
   return matched;
 }

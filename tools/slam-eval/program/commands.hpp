@@ -22,15 +22,17 @@ struct CommonOptions {
   AssociationOptions association;
   Alignment alignment = Alignment::kNone;
   std::size_t align_count = 0;  // poses used for the fit; 0 = all
+  bool in_plane = false;        // x, y and heading count alone
   std::vector<PoseRelation> relations{PoseRelation::kTranslationPart, PoseRelation::kRotationAngleDeg,
                                       PoseRelation::kFullTransformation};
   std::string json_path;
   std::string plot_path;
 };
 
-/// Adds `ape`, `rpe`, `picture` and `tables` to the program; parsing runs the chosen one. Their callbacks throw InputError.
+/// Adds `ape`, `rpe`, `relations`, `picture` and `tables` to the program; parsing runs the chosen one. Their callbacks throw InputError.
 void add_ape(CLI::App& app);
 void add_rpe(CLI::App& app);
+void add_relations(CLI::App& app);
 void add_picture(CLI::App& app);
 void add_tables(CLI::App& app);
 

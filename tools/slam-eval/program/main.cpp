@@ -10,6 +10,7 @@ int main(int argc, char** argv) {
   app.get_formatter()->column_width(44);
   slamd::eval::add_ape(app);
   slamd::eval::add_rpe(app);
+  slamd::eval::add_relations(app);
   slamd::eval::add_picture(app);
   slamd::eval::add_tables(app);
   try {

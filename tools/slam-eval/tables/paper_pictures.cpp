@@ -20,7 +20,9 @@ class Painter {
 
   MatchedPoses matched(const Configuration& configuration) const {
     const fs::path file = run_folder(options_, drive_, configuration.name) / configuration.trajectory;
-    return associate(truth_, load_trajectory(file, TrajectoryFormat::kTum), {.interpolate = true});
+    MatchedPoses poses = associate(truth_, load_trajectory(file, TrajectoryFormat::kTum), {.interpolate = true});
+    if (configuration.in_plane) project_to_plane(poses);
+    return poses;
   }
 
   std::string caption(const Configuration& configuration, const Statistics& s) const {

@@ -25,10 +25,11 @@ double length_m(const std::vector<Pose>& poses) {
   return sum;
 }
 
-void evaluate(const fs::path& truth_file, const fs::path& estimate_file, Run& run) {
+void evaluate(const fs::path& truth_file, const fs::path& estimate_file, bool in_plane, Run& run) {
   const Trajectory truth = load_trajectory(truth_file, TrajectoryFormat::kTum);
   const Trajectory estimate = load_trajectory(estimate_file, TrajectoryFormat::kTum);
-  const MatchedPoses matched = associate(truth, estimate, {.interpolate = true});
+  MatchedPoses matched = associate(truth, estimate, {.interpolate = true});
+  if (in_plane) project_to_plane(matched);
   const Similarity over_truth = fit(Alignment::kSe3Umeyama, matched.truth, matched.estimate);
   constexpr PoseRelation kDistance = PoseRelation::kTranslationPart;
   run.driven_m = length_m(matched.truth);
@@ -69,7 +70,7 @@ Run make_run(const RunMakerOptions& options, const DriveName& drive, const Confi
   command.insert(command.end(), configuration.replay_options.begin(), configuration.replay_options.end());
   run_program(command, (out / "log").string());
   Run run{.drive = drive, .configuration = configuration.name, .closures = closures_of(out / "report.json")};
-  evaluate(truth_path(options, drive), out / configuration.trajectory, run);
+  evaluate(truth_path(options, drive), out / configuration.trajectory, configuration.in_plane, run);
   return run;
 }
 

@@ -16,6 +16,7 @@ struct Configuration {
   std::string label;                        // in tables
   std::vector<std::string> replay_options;
   std::string trajectory;                   // file of slam-replay
+  bool in_plane = false;                    // x, y and heading count alone
 };
 
 /// A simulated drive.
