@@ -34,7 +34,7 @@ struct Config {
   std::string mode = "full";  // or "planar"
   VehicleGeometry vehicle = reference_vehicle();
   LidarThreadConfig lidar;
-  Vlp16Config vlp16;
+  LidarDecoderConfig vlp16;
   ImuThreadConfig imu;
   ImuFrameParser::Config imu_frames = ImuFrameParser::Config::defaults();
   GnssThreadConfig gnss;
@@ -55,7 +55,7 @@ struct Config {
 /// Every key of slamd.yaml, bound to the members of `config`, which must outlive the table.
 std::vector<Field> config_fields(Config& config);
 
-/// What a drive folder's vehicle.yaml says: where the sensors are, and how the LiDAR's rays begin (Vlp16Config); the format is
+/// What a drive folder's vehicle.yaml says: where the sensors are, and how the LiDAR's rays begin (LidarDecoderConfig); the format is
 /// older than that key, and drives without it have rays from one point.
 struct DriveVehicle {
   VehicleGeometry geometry = reference_vehicle();

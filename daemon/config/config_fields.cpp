@@ -21,7 +21,7 @@ void append(Fields& fields, Fields more) {
   fields.insert(fields.end(), more.begin(), more.end());
 }
 
-Fields lidar_fields(LidarThreadConfig& t, Vlp16Config& d) {
+Fields lidar_fields(LidarThreadConfig& t, LidarDecoderConfig& d) {
   return {
       {"lidar.bind_address", &t.bind_address, "", kSomeText, "own IPv4 address to listen on; 0.0.0.0 = all"},
       {"lidar.port", &t.port, "", kPort, "UDP port of the data packets"},

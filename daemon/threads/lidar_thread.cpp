@@ -18,7 +18,7 @@ void LidarThread::allow_faults() {
   faults_ = std::make_unique<SensorFault<LidarValueFault>>(streams_.faults.lidar, kShape);
 }
 
-Result<LidarThread> LidarThread::open(const LidarThreadConfig& config, const Vlp16Config& decoder, Streams& streams) {
+Result<LidarThread> LidarThread::open(const LidarThreadConfig& config, const LidarDecoderConfig& decoder, Streams& streams) {
   UdpSourceConfig source{config.bind_address, config.port, config.source_address, config.source_port,
                          config.receive_buffer_bytes};
   Result<UdpSource> packets = UdpSource::open(source);
@@ -30,7 +30,7 @@ Result<LidarThread> LidarThread::open(const LidarThreadConfig& config, const Vlp
   return LidarThread{std::move(packets).value(), std::move(positions).value(), decoder, streams};
 }
 
-LidarThread::LidarThread(UdpSource packets, UdpSource positions, const Vlp16Config& decoder, Streams& streams)
+LidarThread::LidarThread(UdpSource packets, UdpSource positions, const LidarDecoderConfig& decoder, Streams& streams)
     : packets_{std::move(packets)},
       positions_{std::move(positions)},
       decoder_{decoder},

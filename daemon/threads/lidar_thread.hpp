@@ -34,7 +34,7 @@ struct LidarReport {
   HostTime last_received;  // of the newest datagram; only meaningful when decoder.received > 0
   HostTime last_arrival;   // of the newest accepted packet; only meaningful when packets > 0
   std::uint64_t packets = 0;  // handed on
-  Vlp16Stats decoder;
+  LidarStats decoder;
   UdpStats socket;
   std::uint64_t position_packets = 0;  // of which
   std::uint64_t pps_locked = 0;        // said that the sensor's clock follows a pulse per second
@@ -44,7 +44,7 @@ struct LidarReport {
 class LidarThread {
  public:
   /// Binds both ports; fails with the step that failed. streams must outlive the thread.
-  [[nodiscard]] static Result<LidarThread> open(const LidarThreadConfig& config, const Vlp16Config& decoder,
+  [[nodiscard]] static Result<LidarThread> open(const LidarThreadConfig& config, const LidarDecoderConfig& decoder,
                                                 Streams& streams);
 
   /// Before run(): every datagram goes to `tap` as well, which must outlive the thread.
@@ -58,7 +58,7 @@ class LidarThread {
   LidarReport report() const { return report_->load().value_or(LidarReport{}); }
 
  private:
-  LidarThread(UdpSource packets, UdpSource positions, const Vlp16Config& decoder, Streams& streams);
+  LidarThread(UdpSource packets, UdpSource positions, const LidarDecoderConfig& decoder, Streams& streams);
   void receive();
   void decode(const UdpPacket& packet) SLAMD_NONBLOCKING;
   void read_positions();

@@ -7,6 +7,7 @@
 namespace slamd {
 namespace {
 
+constexpr Duration kHour = std::chrono::hours{1};
 constexpr double kMetresPerCount = 0.002;
 constexpr double kRadPerCdeg = std::numbers::pi / 18000.0;
 
@@ -49,7 +50,7 @@ constexpr std::array<float, kVlp16Channels> kShares = make_shares();
 
 }  // namespace
 
-Vlp16Decoder::Vlp16Decoder(const Vlp16Config& config)
+Vlp16Decoder::Vlp16Decoder(const LidarDecoderConfig& config)
     : min_range_2mm_{std::max<std::uint16_t>(counts_of(config.min_range_m), 1)},
       max_range_2mm_{counts_of(config.max_range_m)},
       share_of_offset_{config.vertical_offsets ? 1.0F : 0.0F},
@@ -57,21 +58,42 @@ Vlp16Decoder::Vlp16Decoder(const Vlp16Config& config)
       timeline_{config.stamp_tolerance},
       clock_{config.clock} {}
 
+/// Blocks that differ in time: the two of a dual-return pair are one column.
+RotationFound Vlp16Decoder::rotation_of(const Vlp16Packet& packet) const {
+  std::array<std::uint16_t, kVlp16Blocks> azimuths;
+  const std::size_t columns = blocks_in_time(packet.mode);
+  for (std::size_t i = 0; i < columns; ++i) azimuths[i] = packet.azimuth_cdeg[i * (kVlp16Blocks / columns)];
+  return find_rotation(std::span{azimuths}.first(columns), kVlp16Block, rotation_limits_);
+}
+
+/// The time congruent to the stamp that is nearest to the expected one: the stamp counts within an hour.
+DeviceTime Vlp16Decoder::unwrapped(std::uint32_t stamp_us, HostTime arrival) const {
+  const Duration past_hour = std::chrono::microseconds{stamp_us};
+  const DeviceTime expected = timeline_.expected(arrival).value_or(DeviceTime{past_hour});
+  Duration ahead = (past_hour - expected.time_since_epoch()) % kHour;
+  if (ahead > kHour / 2) ahead -= kHour;
+  if (ahead < -kHour / 2) ahead += kHour;
+  return expected + ahead;
+}
+
 const LidarPacket* Vlp16Decoder::decode(std::span<const std::uint8_t> payload, HostTime arrival) {
   ++stats_.received;
   const auto [parse_cause, packet] = parse_vlp16(payload);
-  if (parse_cause != Vlp16Rejection::kCount) return refuse(parse_cause);
-  const auto [turn_cause, rotation] = find_rotation(packet, rotation_limits_);
-  if (turn_cause != Vlp16Rejection::kCount) return refuse(turn_cause);
+  if (parse_cause != LidarRejection::kCount) return refuse(parse_cause);
+  const auto [turn_fault, rotation] = rotation_of(packet);
+  if (turn_fault != RotationFault::kNone) return refuse(rejection_of(turn_fault));
   const Duration span = packet_span(packet.mode);
-  const Vlp16Admission admission = timeline_.admit(packet.stamp_us, span, arrival, rotation);
-  if (admission.cause != Vlp16Rejection::kCount) return refuse(admission.cause);
+  const float rate = rotation.mean_step_cdeg / static_cast<float>(kVlp16Block.count());
+  const DeviceTime begin = unwrapped(packet.stamp_us, arrival);
+  const PacketAdmission admission =
+      timeline_.admit({begin, arrival, static_cast<float>(rotation.azimuth_cdeg[0]), rate}, span);
+  if (admission.verdict != PacketVerdict::kAdmitted) return refuse(rejection_of(admission.verdict));
 
   ++stats_.accepted;
   stats_.lost += admission.lost_packets;
   stats_.clock_jumps += admission.jumped ? 1 : 0;
   rotation_rpm_ = rotation.rpm;
-  out_.time = clock_.update(admission.begin + span, arrival) - span;  // a packet is sent after its last firing
+  out_.time = clock_.update(begin + span, arrival) - span;  // a packet is sent after its last firing
   out_.arrival = arrival;
   out_.span = span;
   out_.clock_unsure = clock_.is_recovering();
@@ -79,7 +101,7 @@ const LidarPacket* Vlp16Decoder::decode(std::span<const std::uint8_t> payload, H
   return &out_;
 }
 
-const LidarPacket* Vlp16Decoder::refuse(Vlp16Rejection cause) {
+const LidarPacket* Vlp16Decoder::refuse(LidarRejection cause) {
   stats_.rejections.add(cause);
   last_rejection_ = cause;
   return nullptr;
@@ -105,10 +127,10 @@ Vlp16Decoder::Beams Vlp16Decoder::aim(float azimuth_cdeg, float step_cdeg) {
   return beams;
 }
 
-void Vlp16Decoder::fill_points(const Vlp16Packet& packet, const Vlp16Rotation& rotation) {
+void Vlp16Decoder::fill_points(const Vlp16Packet& packet, const HeadRotation& rotation) {
   out_.point_count = 0;
   const bool dual = packet.mode == Vlp16ReturnMode::kDual;
-  for (std::size_t block = 0; block < rotation.blocks; ++block) {
+  for (std::size_t block = 0; block < rotation.columns; ++block) {
     const Beams beams = aim(rotation.azimuth_cdeg[block], rotation.step_cdeg[block]);
     if (block == 0) out_.azimuth_begin_cdeg = beams.azimuth_cdeg.front();
     out_.azimuth_end_cdeg = beams.azimuth_cdeg.back();

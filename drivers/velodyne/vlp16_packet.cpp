@@ -16,38 +16,9 @@ constexpr std::uint32_t kHourUs = 3'600'000'000U;
 constexpr std::size_t kPositionStampAt = 198;
 constexpr std::size_t kPositionNmeaAt = 206;
 
-struct CauseText {
-  const char* name;
-  const char* sentence;
-};
-
-/// In the order of Vlp16Rejection.
-constexpr std::array<CauseText, static_cast<std::size_t>(Vlp16Rejection::kCount) + 1> kTexts = {{
-    {"wrong_size", "not a VLP-16 data packet: the payload is not 1206 bytes long"},
-    {"position_packet", "a VLP-16 position packet on the data port: check the port numbers"},
-    {"hdl_32e", "the sensor is a Velodyne HDL-32E (product byte 0x21), not a VLP-16"},
-    {"hdl_64e", "the packet has lower-block flags (0xDDFF): a Velodyne HDL-64E, not a VLP-16"},
-    {"puck_hi_res", "the sensor is a Velodyne Puck Hi-Res (product byte 0x24), not a VLP-16"},
-    {"vlp_32c", "the sensor is a Velodyne VLP-32C (product byte 0x28), not a VLP-16"},
-    {"vls_128", "the sensor is a Velodyne VLS-128 (product byte 0xA1), not a VLP-16"},
-    {"velarray", "the sensor is a Velodyne Velarray (product byte 0x31), not a VLP-16"},
-    {"unknown_model", "the product byte names no known Velodyne model; VLP-16 has 0x22"},
-    {"return_mode", "the return mode is none of strongest, last and dual"},
-    {"block_flag", "a data block does not begin with the flag 0xEEFF"},
-    {"azimuth_range", "a block's azimuth is 360 degrees or more"},
-    {"stamp_range", "the time stamp is one hour or more"},
-    {"pair_mismatch", "the blocks of a dual-return pair have different azimuths"},
-    {"stopped", "the sensor turns slower than allowed, or stands"},
-    {"too_fast", "the sensor turns faster than allowed"},
-    {"azimuth_jump", "the azimuth does not advance evenly"},
-    {"out_of_order", "the packet is repeated or late"},
-    {"stamp_jump", "the time stamp contradicts the packet's arrival"},
-    {"none", "accepted"},
-}};
-
 /// kCount for a VLP-16.
-Vlp16Rejection model_of(std::uint8_t product) {
-  using enum Vlp16Rejection;
+LidarRejection model_of(std::uint8_t product) {
+  using enum LidarRejection;
   switch (product) {
     case kProductVlp16:
       return kCount;
@@ -71,18 +42,18 @@ bool is_return_mode(std::uint8_t mode) {
 }
 
 /// Flags and azimuths of all blocks.
-Vlp16Rejection read_blocks(Vlp16Packet& packet) {
+LidarRejection read_blocks(Vlp16Packet& packet) {
   for (std::size_t block = 0; block < kVlp16Blocks; ++block) {
     ByteReader reader{packet.bytes.subspan(block * kBlockBytes, 4)};
-    if (reader.u16_le() != kBlockFlag) return Vlp16Rejection::kBlockFlag;
+    if (reader.u16_le() != kBlockFlag) return LidarRejection::kBlockFlag;
     packet.azimuth_cdeg[block] = reader.u16_le();
-    if (packet.azimuth_cdeg[block] >= kFullCircleCdeg) return Vlp16Rejection::kAzimuthRange;
+    if (packet.azimuth_cdeg[block] >= kFullCircleCdeg) return LidarRejection::kAzimuthRange;
     const bool second_of_pair = packet.mode == Vlp16ReturnMode::kDual && block % 2 == 1;
     if (second_of_pair && packet.azimuth_cdeg[block] != packet.azimuth_cdeg[block - 1]) {
-      return Vlp16Rejection::kPairMismatch;
+      return LidarRejection::kPairMismatch;
     }
   }
-  return Vlp16Rejection::kCount;
+  return LidarRejection::kCount;
 }
 
 /// An HDL-64E sends no model byte (its last bytes cycle through status values, 0x22 too), but every second block is of
@@ -94,19 +65,12 @@ bool has_lower_blocks(std::span<const std::uint8_t, kVlp16PacketBytes> bytes) {
 
 }  // namespace
 
-const char* name(Vlp16Rejection cause) {
-  return kTexts[static_cast<std::size_t>(cause)].name;
-}
-const char* explain(Vlp16Rejection cause) {
-  return kTexts[static_cast<std::size_t>(cause)].sentence;
-}
-
 Vlp16Parsed parse_vlp16(std::span<const std::uint8_t> payload) {
   static constexpr std::array<std::uint8_t, kVlp16PacketBytes> kNoBytes{};
-  Vlp16Parsed parsed{Vlp16Rejection::kCount, {kNoBytes, Vlp16ReturnMode::kStrongest, 0, {}}};
+  Vlp16Parsed parsed{LidarRejection::kCount, {kNoBytes, Vlp16ReturnMode::kStrongest, 0, {}}};
   if (payload.size() != kVlp16PacketBytes) {
     const bool position = payload.size() == kVlp16PositionBytes;
-    parsed.cause = position ? Vlp16Rejection::kPositionPacket : Vlp16Rejection::kWrongSize;
+    parsed.cause = position ? LidarRejection::kPositionPacket : LidarRejection::kWrongSize;
     return parsed;
   }
   const auto bytes = payload.first<kVlp16PacketBytes>();
@@ -114,13 +78,13 @@ Vlp16Parsed parse_vlp16(std::span<const std::uint8_t> payload) {
   const std::uint32_t stamp_us = tail.u32_le();
   const std::uint8_t mode = tail.u8();
   parsed.cause = model_of(tail.u8());
-  if (parsed.cause != Vlp16Rejection::kVls128 && has_lower_blocks(bytes)) parsed.cause = Vlp16Rejection::kHdl64e;
-  if (parsed.cause != Vlp16Rejection::kCount) return parsed;
+  if (parsed.cause != LidarRejection::kVls128 && has_lower_blocks(bytes)) parsed.cause = LidarRejection::kHdl64e;
+  if (parsed.cause != LidarRejection::kCount) return parsed;
 
   if (!is_return_mode(mode)) {
-    parsed.cause = Vlp16Rejection::kReturnMode;
+    parsed.cause = LidarRejection::kReturnMode;
   } else if (stamp_us >= kHourUs) {
-    parsed.cause = Vlp16Rejection::kStampRange;
+    parsed.cause = LidarRejection::kStampRange;
   } else {
     parsed.packet = {bytes, Vlp16ReturnMode{mode}, stamp_us, {}};
     parsed.cause = read_blocks(parsed.packet);

@@ -8,6 +8,7 @@
 #include <span>
 #include <string_view>
 
+#include "drivers/io/lidar_stats.hpp"
 #include "estimator/types/result.hpp"
 
 namespace slamd {
@@ -16,38 +17,8 @@ constexpr std::size_t kVlp16PacketBytes = 1206;
 constexpr std::size_t kVlp16PositionBytes = 512;
 constexpr std::size_t kVlp16Blocks = 12;
 constexpr std::size_t kVlp16Lasers = 16;
-constexpr int kFullCircleCdeg = 36000;
 
 enum class Vlp16ReturnMode : std::uint8_t { kStrongest = 0x37, kLast = 0x38, kDual = 0x39 };
-
-/// Why a packet gave no points. The first group is found by parse_vlp16, the second by the decoder.
-enum class Vlp16Rejection : std::uint8_t {
-  kWrongSize,
-  kPositionPacket,  // a position packet on the data port
-  kHdl32e,
-  kHdl64e,
-  kPuckHiRes,
-  kVlp32c,
-  kVls128,
-  kVelarray,
-  kUnknownModel,
-  kReturnMode,
-  kBlockFlag,
-  kAzimuthRange,
-  kStampRange,
-  kPairMismatch,  // the two blocks of a dual-return pair name different azimuths
-
-  kStopped,      // the azimuth does not advance, or slower than the slowest allowed rotation
-  kTooFast,      // or faster than the fastest
-  kAzimuthJump,  // uneven steps inside the packet, or no continuation of the packet before
-  kOutOfOrder,   // a repeated or late packet
-  kStampJump,    // its stamp contradicts the arrival; believed when the next one confirms it
-  kCount
-};
-/// Short English name for reports ("wrong_size").
-const char* name(Vlp16Rejection cause);
-/// One sentence for the operator's log.
-const char* explain(Vlp16Rejection cause);
 
 struct Vlp16Return {
   std::uint16_t distance_2mm;  // 0 = nothing came back
@@ -69,7 +40,7 @@ struct Vlp16Packet {
 };
 
 struct Vlp16Parsed {
-  Vlp16Rejection cause;  // kCount when the packet is good
+  LidarRejection cause;  // kCount when the packet is good
   Vlp16Packet packet;    // only then
 };
 

@@ -27,7 +27,7 @@ TEST(SensorEvidence, ALidarIsPresentWhileItWasHeardLately) {
   EXPECT_FALSE(evidence(report, {}, at_s(10)).present);
   report.decoder.received = report.packets = 5;
   report.last_received = report.last_arrival = at_s(9.5);
-  report.decoder.rejections.add(Vlp16Rejection::kHdl32e, 3);
+  report.decoder.rejections.add(LidarRejection::kHdl32e, 3);
   const SensorEvidence told = evidence(report, {}, at_s(10));
   EXPECT_TRUE(told.present);
   EXPECT_EQ(told.good_at, at_s(9.5));

@@ -128,7 +128,7 @@ TEST(Vlp16Decoder, TurnsFrom300To1200RpmAndSaysHowFast) {
 }
 
 TEST(Vlp16Decoder, RefusesAStandingTooFastBackwardOrJumpingHead) {
-  using enum Vlp16Rejection;
+  using enum LidarRejection;
   for (const auto& [step, cause] :
        {std::pair{0, kStopped}, {1, kStopped}, {17, kStopped}, {90, kTooFast}, {3000, kTooFast}, {35960, kStopped}}) {
     Vlp16Decoder decoder{{}};
@@ -153,7 +153,7 @@ TEST(Vlp16Decoder, RefusesAPacketThatDoesNotContinueTheOneBefore) {
     turned.set_azimuth(block, static_cast<std::uint16_t>(20000 + 40 * block));
   }
   EXPECT_EQ(decoder.decode(turned.span(), sensor.arrival()), nullptr);
-  EXPECT_EQ(decoder.last_rejection(), Vlp16Rejection::kAzimuthJump);
+  EXPECT_EQ(decoder.last_rejection(), LidarRejection::kAzimuthJump);
   EXPECT_NE(feed(decoder, sensor), nullptr);
 }
 
@@ -179,7 +179,7 @@ TEST(Vlp16Decoder, RefusesRepeatedAndLatePackets) {
   EXPECT_NE(decoder.decode(second.span(), sensor.arrival()), nullptr);
   EXPECT_EQ(decoder.decode(second.span(), sensor.arrival()), nullptr);
   EXPECT_EQ(decoder.decode(first.span(), sensor.arrival()), nullptr);
-  EXPECT_EQ(decoder.stats().rejections[Vlp16Rejection::kOutOfOrder], 2U);
+  EXPECT_EQ(decoder.stats().rejections[LidarRejection::kOutOfOrder], 2U);
 }
 
 TEST(Vlp16Decoder, GoesThroughTheEndOfTheHourWithoutLossOrJump) {
@@ -218,7 +218,7 @@ TEST(Vlp16Decoder, DoubtsACorruptedStampOnceAndBelievesASetClock) {
   Vlp16Bytes corrupted = sensor.next();
   corrupted.set_stamp(900'000'000U);
   EXPECT_EQ(decoder.decode(corrupted.span(), sensor.arrival()), nullptr);
-  EXPECT_EQ(decoder.last_rejection(), Vlp16Rejection::kStampJump);
+  EXPECT_EQ(decoder.last_rejection(), LidarRejection::kStampJump);
   EXPECT_NE(feed(decoder, sensor), nullptr);
   EXPECT_EQ(decoder.stats().clock_jumps, 0U);
   EXPECT_EQ(decoder.stats().lost, 1U);
@@ -232,7 +232,7 @@ TEST(Vlp16Decoder, DoubtsACorruptedStampOnceAndBelievesASetClock) {
 }
 
 TEST(Vlp16Decoder, KeepsReturnsInsideItsRangeLimitsOnly) {
-  Vlp16Config config;
+  LidarDecoderConfig config;
   config.min_range_m = 1.0;
   config.max_range_m = 100.0;
   Vlp16Decoder decoder{config};
@@ -249,7 +249,7 @@ TEST(Vlp16Decoder, KeepsReturnsInsideItsRangeLimitsOnly) {
 }
 
 TEST(Vlp16Decoder, BeginsRaysAtTheManualsHeightsOrAtOnePoint) {
-  Vlp16Config one_point;
+  LidarDecoderConfig one_point;
   one_point.vertical_offsets = false;
   Vlp16Decoder real{{}}, simple{one_point};
   Vlp16Bytes b{0, 40, 0};

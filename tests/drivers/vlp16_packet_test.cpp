@@ -11,7 +11,7 @@
 namespace slamd {
 namespace {
 
-Vlp16Rejection cause_of(const Vlp16Bytes& packet) {
+LidarRejection cause_of(const Vlp16Bytes& packet) {
   return parse_vlp16(packet.span()).cause;
 }
 
@@ -19,7 +19,7 @@ TEST(Vlp16Packet, ReadsStampModeAzimuthsAndReturns) {
   Vlp16Bytes b{35990, 40, 3599999999U, 0x38};
   b.set_return(3, 17, 0xFFFE, 200);
   const auto [cause, packet] = parse_vlp16(b.span());
-  ASSERT_EQ(cause, Vlp16Rejection::kCount);
+  ASSERT_EQ(cause, LidarRejection::kCount);
   EXPECT_EQ(packet.stamp_us, 3599999999U);
   EXPECT_EQ(packet.mode, Vlp16ReturnMode::kLast);
   EXPECT_EQ(packet.azimuth_cdeg[0], 35990);
@@ -34,13 +34,13 @@ TEST(Vlp16Packet, RefusesAzimuthsOfAFullCircleAndMore) {
     for (const std::size_t block : {std::size_t{0}, std::size_t{11}}) {
       Vlp16Bytes b{100, 40, 0};
       b.set_azimuth(block, static_cast<std::uint16_t>(azimuth));
-      EXPECT_EQ(cause_of(b), good ? Vlp16Rejection::kCount : Vlp16Rejection::kAzimuthRange) << azimuth;
+      EXPECT_EQ(cause_of(b), good ? LidarRejection::kCount : LidarRejection::kAzimuthRange) << azimuth;
     }
   }
 }
 
 TEST(Vlp16Packet, NamesOtherModelsByTheirProductByte) {
-  using enum Vlp16Rejection;
+  using enum LidarRejection;
   for (const auto& [product, cause] : {std::pair{0x21, kHdl32e},
                                        {0x22, kCount},
                                        {0x24, kPuckHiRes},
@@ -59,45 +59,45 @@ TEST(Vlp16Packet, KnowsAnHdl64ByItsLowerBlocksWhateverItsLastByte) {
   Vlp16Bytes b{0, 40, 0};
   b.bytes[100] = 0xFF;
   b.bytes[101] = 0xDD;
-  EXPECT_EQ(cause_of(b), Vlp16Rejection::kHdl64e);
+  EXPECT_EQ(cause_of(b), LidarRejection::kHdl64e);
   b.bytes[1205] = 'V';
-  EXPECT_EQ(cause_of(b), Vlp16Rejection::kHdl64e);
+  EXPECT_EQ(cause_of(b), LidarRejection::kHdl64e);
 }
 
 TEST(Vlp16Packet, RefusesWrongSizesModesFlagsAndStamps) {
   const Vlp16Bytes good{0, 40, 0};
   const std::vector<std::uint8_t> longer(1207);
-  EXPECT_EQ(parse_vlp16(good.span().first(1205)).cause, Vlp16Rejection::kWrongSize);
-  EXPECT_EQ(parse_vlp16(longer).cause, Vlp16Rejection::kWrongSize);
-  EXPECT_EQ(parse_vlp16({}).cause, Vlp16Rejection::kWrongSize);
-  EXPECT_EQ(parse_vlp16(good.span().first(512)).cause, Vlp16Rejection::kPositionPacket);
+  EXPECT_EQ(parse_vlp16(good.span().first(1205)).cause, LidarRejection::kWrongSize);
+  EXPECT_EQ(parse_vlp16(longer).cause, LidarRejection::kWrongSize);
+  EXPECT_EQ(parse_vlp16({}).cause, LidarRejection::kWrongSize);
+  EXPECT_EQ(parse_vlp16(good.span().first(512)).cause, LidarRejection::kPositionPacket);
   for (const int mode : {0x00, 0x36, 0x3A, 0x3B, 0xFF}) {
-    EXPECT_EQ(cause_of(Vlp16Bytes(0, 40, 0, static_cast<std::uint8_t>(mode))), Vlp16Rejection::kReturnMode) << mode;
+    EXPECT_EQ(cause_of(Vlp16Bytes(0, 40, 0, static_cast<std::uint8_t>(mode))), LidarRejection::kReturnMode) << mode;
   }
   Vlp16Bytes flag{0, 40, 0};
   flag.bytes[701] = 0xEF;
-  EXPECT_EQ(cause_of(flag), Vlp16Rejection::kBlockFlag);
-  EXPECT_EQ(cause_of(Vlp16Bytes(0, 40, 3'600'000'000U)), Vlp16Rejection::kStampRange);
+  EXPECT_EQ(cause_of(flag), LidarRejection::kBlockFlag);
+  EXPECT_EQ(cause_of(Vlp16Bytes(0, 40, 3'600'000'000U)), LidarRejection::kStampRange);
 }
 
 TEST(Vlp16Packet, RefusesADualReturnPairOfTwoAzimuths) {
   Vlp16Bytes b{0, 40, 0, 0x39};
-  EXPECT_EQ(cause_of(b), Vlp16Rejection::kCount);
+  EXPECT_EQ(cause_of(b), LidarRejection::kCount);
   b.set_azimuth(5, 81);
-  EXPECT_EQ(cause_of(b), Vlp16Rejection::kPairMismatch);
+  EXPECT_EQ(cause_of(b), LidarRejection::kPairMismatch);
 }
 
 TEST(Vlp16Packet, HasANameAndASentenceOfItsOwnForEveryCause) {
   std::vector<std::string> names;
-  for (int i = 0; i < static_cast<int>(Vlp16Rejection::kCount); ++i) {
-    names.emplace_back(name(static_cast<Vlp16Rejection>(i)));
-    EXPECT_GT(std::string{explain(static_cast<Vlp16Rejection>(i))}.size(), 20U);
+  for (int i = 0; i < static_cast<int>(LidarRejection::kCount); ++i) {
+    names.emplace_back(name(static_cast<LidarRejection>(i)));
+    EXPECT_GT(std::string{explain(static_cast<LidarRejection>(i))}.size(), 20U);
     EXPECT_NE(names.back(), "none");
   }
-  EXPECT_STREQ(name(Vlp16Rejection::kWrongSize), "wrong_size");
-  EXPECT_STREQ(name(Vlp16Rejection::kVls128), "vls_128");
-  EXPECT_STREQ(name(Vlp16Rejection::kStopped), "stopped");
-  EXPECT_STREQ(name(Vlp16Rejection::kStampJump), "stamp_jump");
+  EXPECT_STREQ(name(LidarRejection::kWrongSize), "wrong_size");
+  EXPECT_STREQ(name(LidarRejection::kVls128), "vls_128");
+  EXPECT_STREQ(name(LidarRejection::kStopped), "stopped");
+  EXPECT_STREQ(name(LidarRejection::kStampJump), "stamp_jump");
   std::sort(names.begin(), names.end());
   EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
 }

@@ -97,7 +97,7 @@ TEST(Vlp16Recordings, AnHdl32IsRefusedByName) {
   Vlp16Decoder decoder{{}};
   while (const UdpPacket* udp = pcap.next()) EXPECT_EQ(decoder.decode(udp->payload, udp->arrival), nullptr);
   EXPECT_EQ(decoder.stats().received, 500U);
-  EXPECT_EQ(decoder.stats().rejections[Vlp16Rejection::kHdl32e], 500U);
+  EXPECT_EQ(decoder.stats().rejections[LidarRejection::kHdl32e], 500U);
   EXPECT_NE(std::string{explain(decoder.last_rejection())}.find("HDL-32E"), std::string::npos);
 }
 

@@ -83,7 +83,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     const LidarPacket* out = decoder.decode(payload, arrival);
     const auto parsed = parse_vlp16(payload);
     if (out != nullptr) {
-      require(parsed.cause == Vlp16Rejection::kCount && out->arrival == arrival);
+      require(parsed.cause == LidarRejection::kCount && out->arrival == arrival);
       check(*out, parsed.packet);
     }
     check_position(body.first(std::min(body.size(), kVlp16PositionBytes)));

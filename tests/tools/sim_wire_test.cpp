@@ -96,7 +96,7 @@ Corridor decode_corridor(LidarModel lidar, const Mounting& mounting = {}) {
   spec.mounting = mounting;
   spec.with_imu = spec.with_gps = false;
   Simulation simulation{spec};
-  Vlp16Decoder decoder{Vlp16Config{}};
+  Vlp16Decoder decoder{LidarDecoderConfig{}};
   Corridor result;
   while (!simulation.done()) {
     for (const WireEvent& event : simulation.next_slice()) {

@@ -20,7 +20,7 @@ namespace slamd::replay {
 
 /// How the drivers read what was recorded.
 struct DriverConfigs {
-  Vlp16Config vlp16;
+  LidarDecoderConfig vlp16;
   SampleClock::Config imu_clock;                                           // of imu.csv
   ImuFrameParser::Config imu_frames = ImuFrameParser::Config::defaults();  // of an IMU's bytes
   NmeaParser::Config nmea = NmeaParser::Config::defaults();

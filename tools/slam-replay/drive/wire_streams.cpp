@@ -46,7 +46,7 @@ const LidarPacket* Vlp16Stream::next() {
 }
 
 StreamReport Vlp16Stream::report() const {
-  const Vlp16Stats& stats = decoder_.stats();
+  const LidarStats& stats = decoder_.stats();
   StreamReport report;
   report.items = stats.accepted;
   report.missing = stats.lost;

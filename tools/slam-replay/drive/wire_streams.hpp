@@ -59,7 +59,7 @@ using GnssWireStream = WireStream<NmeaParser, GnssFix>;
 class Vlp16Stream : public Stream<LidarPacket> {
  public:
   /// Datagrams to other ports than `port` are left alone; those without a port are all of the sensor.
-  Vlp16Stream(std::unique_ptr<ReadSource> reads, const Vlp16Config& config, std::uint16_t port)
+  Vlp16Stream(std::unique_ptr<ReadSource> reads, const LidarDecoderConfig& config, std::uint16_t port)
       : reads_{std::move(reads)}, decoder_{config}, port_{port} {}
 
   const LidarPacket* next() override;
