@@ -59,7 +59,7 @@ Result<std::unique_ptr<App>> App::open(const Config& config, const std::string& 
   Result<PosePublisher> publisher = PosePublisher::create(std::move(kept_page));
   if (!publisher) return Error{publisher.reason()};
   auto streams = std::make_unique<Streams>();
-  Result<LidarThread> lidar = LidarThread::open(config.lidar, config.vlp16, *streams);
+  Result<LidarThread> lidar = LidarThread::open(config.lidar, config.lidar_decoder, *streams);
   if (!lidar) return Error{lidar.reason()};
 
   const std::string checkpoint = config.checkpoint.path();

@@ -20,7 +20,8 @@ ConfigFaults contradictions(const std::string& name, const Config& c) {
   demand(c.mode == "full" || c.mode == "planar", "mode", "must be full or planar");
   demand(c.planar.odometry.scan.band_low_m < c.planar.odometry.scan.band_high_m, "planar.band_low_m",
          "must be below planar.band_high_m");
-  demand(c.vlp16.min_range_m < c.vlp16.max_range_m, "lidar.min_range_m", "must be below lidar.max_range_m");
+  demand(c.lidar_decoder.min_range_m < c.lidar_decoder.max_range_m, "lidar.min_range_m", "must be below lidar.max_range_m");
+  demand(lidar_model(c.lidar.model).has_value(), "lidar.model", "must be vlp16, airy or rplidar_a2");
   demand(c.lidar.port != c.lidar.position_port, "lidar.position_port", "must differ from lidar.port");
   demand(c.nmea.noise.sigma_min_m <= c.nmea.noise.sigma_max_m, "gnss.sigma_min_m", "must not exceed gnss.sigma_max_m");
   const ImuSourceConfig& imu = c.imu.source;
@@ -63,8 +64,8 @@ ConfigChanges changes(const Config& running, const Config& wanted) {
 Loaded<DriveVehicle> load_drive_vehicle(const std::string& path) {
   Loaded<DriveVehicle> loaded{{}, {}};
   loaded.faults = read_yaml_file(path, drive_vehicle_fields(loaded.value));
-  constexpr std::array kModels{"vlp16", "airy", "rplidar_a2", "laser_scan"};
-  if (std::ranges::find(kModels, loaded.value.lidar_model) == kModels.end())
+  const std::string& model = loaded.value.lidar_model;
+  if (model != "laser_scan" && !lidar_model(model))
     loaded.faults.push_back(path + ":0: lidar_model: must be vlp16, airy, rplidar_a2 or laser_scan");
   return loaded;
 }

@@ -19,7 +19,6 @@
 #include "daemon/threads/recorder.hpp"
 #include "drivers/gnss/nmea_parser.hpp"
 #include "drivers/imu/imu_frame_parser.hpp"
-#include "drivers/velodyne/vlp16_decoder.hpp"
 #include "estimator/graph/back_end.hpp"
 #include "estimator/grid/slam_2d.hpp"
 #include "estimator/odometry/lidar_inertial_odometry.hpp"
@@ -34,7 +33,7 @@ struct Config {
   std::string mode = "full";  // or "planar"
   VehicleGeometry vehicle = reference_vehicle();
   LidarThreadConfig lidar;
-  LidarDecoderConfig vlp16;
+  LidarDecoderConfig lidar_decoder;
   ImuThreadConfig imu;
   ImuFrameParser::Config imu_frames = ImuFrameParser::Config::defaults();
   GnssThreadConfig gnss;

@@ -23,9 +23,10 @@ void append(Fields& fields, Fields more) {
 
 Fields lidar_fields(LidarThreadConfig& t, LidarDecoderConfig& d) {
   return {
+      {"lidar.model", &t.model, "", kSomeText, "vlp16, airy (RoboSense) or rplidar_a2 (Slamtec, in one plane); config/ has a file for each"},
       {"lidar.bind_address", &t.bind_address, "", kSomeText, "own IPv4 address to listen on; 0.0.0.0 = all"},
-      {"lidar.port", &t.port, "", kPort, "UDP port of the data packets"},
-      {"lidar.position_port", &t.position_port, "", kPort, "UDP port of the position packets"},
+      {"lidar.port", &t.port, "", kPort, "UDP port of the data packets (Airy: 6699)"},
+      {"lidar.position_port", &t.position_port, "", kPort, "UDP port of the position packets; Airy: of the device packets (7788)"},
       {"lidar.source_address", &t.source_address, "", kAnyText, "take packets of this sensor only; empty = of any"},
       {"lidar.source_port", &t.source_port, "", {0, 65535},
        "take data packets sent from this port only (2368 of a VLP-16 as delivered); 0 = of any"},
@@ -41,7 +42,7 @@ Fields lidar_fields(LidarThreadConfig& t, LidarDecoderConfig& d) {
       {"lidar.min_range_m", &d.min_range_m, "m", {0, 100}, "nearer returns are dropped"},
       {"lidar.max_range_m", &d.max_range_m, "m", {1, 131}, "farther returns are dropped"},
       {"lidar.vertical_offsets", &d.vertical_offsets, "", {},
-       "rays begin at the manual's heights, as in the real sensor; false = at one point"},
+       "VLP-16: rays begin at the manual's heights, as in the real sensor; false = at one point"},
   };
 }
 
@@ -241,7 +242,7 @@ Fields drive_vehicle_fields(DriveVehicle& v) {
 Fields config_fields(Config& c) {
   Fields fields{{"mode", &c.mode, "", {4, 6}, "full = all sensors in space; planar = a level cut, wheels and IMU in the plane"}};
   append(fields, vehicle_fields(c.vehicle, "vehicle."));
-  append(fields, lidar_fields(c.lidar, c.vlp16));
+  append(fields, lidar_fields(c.lidar, c.lidar_decoder));
   append(fields, imu_fields(c.imu, c.imu_frames));
   append(fields, gnss_fields(c.gnss, c.nmea));
   append(fields, odometry_fields(c.odometry));

@@ -27,13 +27,14 @@ Result<LidarThread> LidarThread::open(const LidarThreadConfig& config, const Lid
   source.source_port = config.position_source_port;
   Result<UdpSource> positions = UdpSource::open(source);
   if (!positions) return Error{positions.reason()};
-  return LidarThread{std::move(packets).value(), std::move(positions).value(), decoder, streams};
+  const LidarModel model = lidar_model(config.model).value_or(LidarModel::kVlp16);
+  return LidarThread{std::move(packets).value(), std::move(positions).value(), SpinningLidar{model, decoder}, streams};
 }
 
-LidarThread::LidarThread(UdpSource packets, UdpSource positions, const LidarDecoderConfig& decoder, Streams& streams)
+LidarThread::LidarThread(UdpSource packets, UdpSource positions, SpinningLidar lidar, Streams& streams)
     : packets_{std::move(packets)},
       positions_{std::move(positions)},
-      decoder_{decoder},
+      lidar_{std::move(lidar)},
       streams_{streams},
       report_{std::make_unique<LatestValue<LidarReport>>()} {}
 
@@ -44,9 +45,10 @@ void LidarThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     receive();
     read_positions();
-    now_.decoder = decoder_.stats();
+    now_.decoder = lidar_.stats();
+    now_.side = lidar_.side_stats();
     now_.socket = packets_.stats();
-    now_.clock = clock_health(decoder_.clock());
+    now_.clock = clock_health(lidar_.clock());
     report_->store(now_);
   }
 }
@@ -72,7 +74,7 @@ void LidarThread::receive() {
 void LidarThread::decode(const UdpPacket& packet) SLAMD_NONBLOCKING {
   if (tap_ != nullptr) tap_->take(packet);
   now_.last_received = packet.arrival;
-  const LidarPacket* points = decoder_.decode(packet.payload, packet.arrival);
+  const LidarPacket* points = lidar_.points(packet.payload, packet.arrival);
   if (points != nullptr && faults_ != nullptr) points = faults_->values.apply(*points);
   if (points == nullptr) return;
   ++now_.packets;
@@ -83,10 +85,7 @@ void LidarThread::decode(const UdpPacket& packet) SLAMD_NONBLOCKING {
 void LidarThread::read_positions() {
   for (const UdpPacket& packet : positions_.receive(Duration{0})) {
     if (tap_ != nullptr) tap_->take(packet);
-    const Result<Vlp16Position> position = parse_vlp16_position(packet.payload);
-    if (!position) continue;
-    ++now_.position_packets;
-    now_.pps_locked += position->pps == PpsState::kLocked ? 1 : 0;
+    lidar_.side(packet.payload);
   }
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The LiDAR's thread: datagrams of the data and the position port to decoded packets in the ring. Real-time; it makes
+// The thread of a spinning LiDAR: datagrams of the data and the position port to decoded packets in the ring. Real-time; it makes
 // no scans and decides nothing.
 
 #include <cstdint>
@@ -15,14 +15,15 @@
 #include "daemon/threads/recorder.hpp"
 #include "daemon/threads/streams.hpp"
 #include "drivers/io/udp_source.hpp"
-#include "drivers/velodyne/vlp16_decoder.hpp"
+#include "drivers/lidar/spinning_lidar.hpp"
 
 namespace slamd {
 
 struct LidarThreadConfig {
+  std::string model = "vlp16";         // as drivers/lidar names it
   std::string bind_address = "0.0.0.0";
   std::uint16_t port = 2368;           // data packets
-  std::uint16_t position_port = 8308;  // position packets: state of the pulse per second
+  std::uint16_t position_port = 8308;  // position packets (state of the pulse per second); of an Airy: device packets
   std::string source_address;          // when not empty, datagrams of others are dropped and counted
   std::uint16_t source_port = 0;           // likewise unless 0: the sensor's own port of its data packets,
   std::uint16_t position_source_port = 0;  // and of its position packets
@@ -36,14 +37,13 @@ struct LidarReport {
   std::uint64_t packets = 0;  // handed on
   LidarStats decoder;
   UdpStats socket;
-  std::uint64_t position_packets = 0;  // of which
-  std::uint64_t pps_locked = 0;        // said that the sensor's clock follows a pulse per second
+  LidarSideStats side;  // of the position port
   ClockHealth clock;
 };
 
 class LidarThread {
  public:
-  /// Binds both ports; fails with the step that failed. streams must outlive the thread.
+  /// Binds both ports; fails with the step that failed. config.model is one that spins; streams must outlive the thread.
   [[nodiscard]] static Result<LidarThread> open(const LidarThreadConfig& config, const LidarDecoderConfig& decoder,
                                                 Streams& streams);
 
@@ -58,14 +58,14 @@ class LidarThread {
   LidarReport report() const { return report_->load().value_or(LidarReport{}); }
 
  private:
-  LidarThread(UdpSource packets, UdpSource positions, const LidarDecoderConfig& decoder, Streams& streams);
+  LidarThread(UdpSource packets, UdpSource positions, SpinningLidar lidar, Streams& streams);
   void receive();
   void decode(const UdpPacket& packet) SLAMD_NONBLOCKING;
   void read_positions();
 
   UdpSource packets_;
   UdpSource positions_;
-  Vlp16Decoder decoder_;
+  SpinningLidar lidar_;
   Streams& streams_;
   WireTap* tap_ = nullptr;
   std::unique_ptr<SensorFault<LidarValueFault>> faults_;  // null: none may be played

@@ -54,8 +54,8 @@ SourceHealth source_health(const LidarReport& report) {
   add_rejected(health, "foreign_sender", report.socket.foreign);
   add_rejected(health, "oversized", report.socket.oversized);
   health.events = {{"clock_jumps", report.decoder.clock_jumps},
-                   {"position_packets", report.position_packets},
-                   {"pps_locked", report.pps_locked}};
+                   {"position_packets", report.side.packets},
+                   {"pps_locked", report.side.pps_locked}};
   if (report.packets > 0) health.clock = report.clock;
   return health;
 }

@@ -5,7 +5,6 @@
 #include <numbers>
 #include <utility>
 
-#include "drivers/robosense/airy_imu.hpp"
 #include "drivers/robosense/airy_timing.hpp"
 
 namespace slamd {
@@ -13,7 +12,6 @@ namespace {
 
 constexpr double kMetresPerCount = 0.005;
 constexpr double kRadPerCdeg = std::numbers::pi / 18000.0;
-constexpr Duration kImuPeriod = std::chrono::milliseconds{5};
 
 /// Azimuths may lie a turn off: those of channels that look beyond the seam.
 std::uint16_t wrapped(std::int32_t azimuth_cdeg) {
@@ -24,7 +22,7 @@ std::uint16_t wrapped(std::int32_t azimuth_cdeg) {
 }  // namespace
 
 AiryDecoder::AiryDecoder(const LidarDecoderConfig& config)
-    : config_{config}, timeline_{config.stamp_tolerance}, imu_timeline_{config.stamp_tolerance}, clock_{config.clock} {}
+    : config_{config}, timeline_{config.stamp_tolerance}, clock_{config.clock} {}
 
 const LidarPacket* AiryDecoder::decode(std::span<const std::uint8_t> payload, HostTime arrival) {
   ++stats_.received;
@@ -59,7 +57,6 @@ const LidarPacket* AiryDecoder::refuse(LidarRejection cause) {
 
 bool AiryDecoder::inform(std::span<const std::uint8_t> payload) {
   const Result<AiryDevice> device = parse_airy_device(payload);
-  ++(device ? side_.device_packets : side_.device_refused);
   if (!device) return false;
   set_beams(*device);
   device_ = *device;
@@ -82,26 +79,6 @@ void AiryDecoder::set_beams(const AiryDevice& device) {
                  device.azimuth_offset_cdeg[i],
                  ring};
   }
-}
-
-std::optional<ImuSample> AiryDecoder::sample(std::span<const std::uint8_t> payload, HostTime arrival) {
-  const Result<AiryImuReading> reading = parse_airy_imu(payload);
-  PacketAdmission admission{PacketVerdict::kStampJump, 0, false};
-  if (reading) admission = imu_timeline_.admit({.begin = reading->stamp, .arrival = arrival}, kImuPeriod);
-  if (admission.verdict != PacketVerdict::kAdmitted) {
-    ++side_.imu_refused;
-    return std::nullopt;
-  }
-  ++side_.imu_samples;
-  side_.imu_lost += admission.lost_packets;
-  ImuSample sample;
-  sample.time = clock_.update(reading->stamp, arrival);
-  sample.arrival = arrival;
-  sample.gyro_rads = reading->gyro_rads;
-  sample.accel_mps2 = reading->accel_mps2;
-  sample.clipped = reading->clipped;
-  sample.clock_unsure = clock_.is_recovering();
-  return sample;
 }
 
 /// The column's azimuth is turned on by the small angle to each group with sin and cos to third order: 1e-8 rad off at 1200 rpm.

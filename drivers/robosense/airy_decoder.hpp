@@ -1,6 +1,6 @@
 #pragma once
-// Turns the payloads of one RoboSense Airy into stamped points and IMU samples. It reads no socket and makes no scans: drivers/io
-// brings the bytes, estimator/lidar/scan_assembler makes revolutions.
+// Turns the payloads of one RoboSense Airy into stamped points. It reads no socket and makes no scans: drivers/io brings the bytes,
+// estimator/lidar/scan_assembler makes revolutions; its IMU is airy_imu_parser's.
 
 #include <array>
 #include <cstdint>
@@ -12,19 +12,9 @@
 #include "drivers/io/packet_timeline.hpp"
 #include "drivers/robosense/airy_device.hpp"
 #include "drivers/robosense/airy_packet.hpp"
-#include "estimator/types/imu_sample.hpp"
 #include "estimator/types/lidar_packet.hpp"
 
 namespace slamd {
-
-/// Of the two ports beside the data port.
-struct AirySideStats {
-  std::uint64_t device_packets = 0;
-  std::uint64_t device_refused = 0;  // not a device packet, or without angles
-  std::uint64_t imu_samples = 0;
-  std::uint64_t imu_lost = 0;     // missing between samples, by their stamps
-  std::uint64_t imu_refused = 0;  // not an IMU packet, repeated, or with a stamp that contradicts the arrival
-};
 
 /// Frame of the points: the sensor's own: origin in the middle of its foot, x = azimuth 0, y = azimuth 270 degrees (left; azimuth
 /// runs clockwise seen from above), z up. One thread. No allocation.
@@ -33,18 +23,15 @@ class AiryDecoder {
   explicit AiryDecoder(const LidarDecoderConfig& config);
 
   /// payload   of one UDP packet of the data port, any bytes
-  /// arrival   when the host received it; packets of all ports come in this order
+  /// arrival   when the host received it; packets come in this order
   /// Returns the packet's points in order of firing, or null when it was refused (see stats() and last_rejection()), as all are
   ///         until device() is known: a unit's beams lie up to half a degree from where its data sheet says. Valid until the next
   ///         call. Of a dual return two different ones give two points, of which the brighter has return_index 0.
   const LidarPacket* decode(std::span<const std::uint8_t> payload, HostTime arrival);
   /// Of the device port: takes over the directions of the beams. False when it was refused.
   bool inform(std::span<const std::uint8_t> payload);
-  /// Of the IMU port. The same clock as the points'. Nothing when it was refused.
-  std::optional<ImuSample> sample(std::span<const std::uint8_t> payload, HostTime arrival);
 
   const LidarStats& stats() const { return stats_; }
-  const AirySideStats& side_stats() const { return side_; }
   /// Of the newest refused data packet; kCount when none was. Text by explain().
   LidarRejection last_rejection() const { return last_rejection_; }
   /// What the sensor told about itself; nothing before.
@@ -78,11 +65,9 @@ class AiryDecoder {
   std::array<Beam, kAiryChannels> beams_{};
   std::optional<AiryDevice> device_;
   PacketTimeline timeline_;
-  PacketTimeline imu_timeline_;
   ClockSync clock_;
   LidarPacket out_;
   LidarStats stats_;
-  AirySideStats side_;
   LidarRejection last_rejection_ = LidarRejection::kCount;
 };
 

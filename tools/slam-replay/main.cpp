@@ -33,11 +33,11 @@ bool tell(const ConfigFaults& faults) {
 
 replay::DriverConfigs driver_configs(const Config& config) {
   replay::DriverConfigs drivers;
-  drivers.vlp16 = config.vlp16;
+  const LidarModel model = lidar_model(config.lidar.model).value_or(LidarModel::kVlp16);
+  drivers.lidar = {model, {config.lidar.port, config.lidar.position_port, ports_of(model).imu}, config.lidar_decoder};
   drivers.imu_clock.min_latency = config.imu_frames.clock.min_latency;
   drivers.imu_frames = config.imu_frames;
   drivers.nmea = config.nmea;
-  drivers.lidar_port = config.lidar.port;
   return drivers;
 }
 
@@ -82,6 +82,19 @@ int list(const Options& options) {
   return fault.empty() ? kOk : kBadDrive;
 }
 
+/// What the drive says of its vehicle; of a folder also of its LiDAR, whose ports are those as delivered when it is another one than
+/// the configuration's.
+void take_over(const DriveVehicle& drive, Config& config, bool is_drive_folder) {
+  config.vehicle = drive.geometry;
+  if (!is_drive_folder) return;
+  config.lidar_decoder.vertical_offsets = drive.lidar_vertical_offsets;
+  const std::optional<LidarModel> model = lidar_model(drive.lidar_model);
+  if (!model || drive.lidar_model == config.lidar.model) return;
+  config.lidar.model = drive.lidar_model;
+  config.lidar.port = ports_of(*model).points;
+  config.lidar.position_port = ports_of(*model).side;
+}
+
 /// The configuration as told, else the recording's own; then what vehicle.yaml beside the recording says.
 Loaded<Config> configuration(const Options& options) {
   const bool is_folder = std::filesystem::is_directory(options.drive);
@@ -92,8 +105,7 @@ Loaded<Config> configuration(const Options& options) {
   if (!config.faults.empty() || !std::filesystem::exists(vehicle_path)) return config;
   Loaded<DriveVehicle> vehicle = load_drive_vehicle(vehicle_path);
   config.faults = std::move(vehicle.faults);
-  config.value.vehicle = vehicle.value.geometry;
-  if (is_folder && !replay::is_bag(options.drive)) config.value.vlp16.vertical_offsets = vehicle.value.lidar_vertical_offsets;
+  take_over(vehicle.value, config.value, is_folder && !replay::is_bag(options.drive));
   return config;
 }
 

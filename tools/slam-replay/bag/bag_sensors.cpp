@@ -60,7 +60,7 @@ class SensorMaker {
     const std::string& type = use.topic.type;
     Sensors& sensors = made_.sensors;
     if (!probe.stamped) made_.notes.push_back(use.topic.name + ": its headers have no stamps: the times of recording are taken");
-    if (type == VelodyneScanMessage::kType) sensors.lidar = std::make_unique<Vlp16Stream>(velodyne_reads(std::move(source)), drivers_.vlp16, 0);
+    if (type == VelodyneScanMessage::kType) sensors.lidar = std::make_unique<SpinningStream>(velodyne_reads(std::move(source)), LidarSetup{.decoder = drivers_.lidar.decoder});
     else if (type == PointCloud2Message::kType) sensors.lidar = cloud_stream(std::move(source), cloud_config(probe));
     else if (type == ImuMessage::kType) sensors.imu = imu_stream(std::move(source), accel_scale(use, probe));
     else if (type == SentenceMessage::kType) sensors.gnss = std::make_unique<GnssWireStream>(sentence_reads(std::move(source)), drivers_.nmea);
@@ -70,7 +70,7 @@ class SensorMaker {
   }
 
   CloudStreamConfig cloud_config(const TopicProbe& probe) const {
-    CloudStreamConfig config{{}, drivers_.vlp16.min_range_m, drivers_.vlp16.max_range_m};
+    CloudStreamConfig config{{}, drivers_.lidar.decoder.min_range_m, drivers_.lidar.decoder.max_range_m};
     if (probe.period_s > 0.0) config.timing.period_s = probe.period_s;
     config.timing.stamp_is_begin = probe.stamped && to_seconds(probe.least_lag) > kLagOfSweepsEnd * config.timing.period_s &&
                                    to_seconds(probe.least_lag) < 1.0;

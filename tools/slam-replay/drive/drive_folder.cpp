@@ -42,7 +42,7 @@ std::map<HostTime, double> read_shares(const std::string& path) {
 std::unique_ptr<Stream<LidarPacket>> open_lidar_capture(const std::string& path, const DriverConfigs& config) {
   std::unique_ptr<ReadSource> reads = open_capture(path);
   if (reads == nullptr) return nullptr;
-  return std::make_unique<Vlp16Stream>(std::move(reads), config.vlp16, config.lidar_port);
+  return std::make_unique<SpinningStream>(std::move(reads), config.lidar);
 }
 
 Sensors open_drive_folder(const std::string& folder, const DriverConfigs& config) {

@@ -7,8 +7,9 @@
 
 #include "drivers/gnss/nmea_parser.hpp"
 #include "drivers/imu/imu_frame_parser.hpp"
+#include "drivers/io/lidar_stats.hpp"
 #include "drivers/io/sample_clock.hpp"
-#include "drivers/velodyne/vlp16_decoder.hpp"
+#include "drivers/lidar/lidar_model.hpp"
 #include "estimator/types/gnss_fix.hpp"
 #include "estimator/types/imu_sample.hpp"
 #include "estimator/types/laser_scan.hpp"
@@ -18,13 +19,19 @@
 
 namespace slamd::replay {
 
+/// Which LiDAR it was, and to which ports it sent.
+struct LidarSetup {
+  LidarModel model = LidarModel::kVlp16;
+  LidarPorts ports = ports_of(LidarModel::kVlp16);
+  LidarDecoderConfig decoder;
+};
+
 /// How the drivers read what was recorded.
 struct DriverConfigs {
-  LidarDecoderConfig vlp16;
+  LidarSetup lidar;
   SampleClock::Config imu_clock;                                           // of imu.csv
   ImuFrameParser::Config imu_frames = ImuFrameParser::Config::defaults();  // of an IMU's bytes
   NmeaParser::Config nmea = NmeaParser::Config::defaults();
-  std::uint16_t lidar_port = 2368;
 };
 
 /// Null: the sensor is not there.

@@ -37,16 +37,18 @@ void tell(const WheelParser& parser, StreamReport& report) {
       [&](const char* cause, std::uint64_t count) { report.rejections.push_back({"wheel", cause, count}); });
 }
 
-const LidarPacket* Vlp16Stream::next() {
+const LidarPacket* SpinningStream::next() {
   while (const UdpPacket* read = reads_->next()) {
-    if (read->destination_port != 0 && read->destination_port != port_) continue;
-    if (const LidarPacket* packet = decoder_.decode(read->payload, read->arrival)) return packet;
+    const std::uint16_t port = read->destination_port;
+    if (port != 0 && port == ports_.side) lidar_.side(read->payload);
+    if (port != 0 && port != ports_.points) continue;
+    if (const LidarPacket* packet = lidar_.points(read->payload, read->arrival)) return packet;
   }
   return nullptr;
 }
 
-StreamReport Vlp16Stream::report() const {
-  const LidarStats& stats = decoder_.stats();
+StreamReport SpinningStream::report() const {
+  const LidarStats& stats = lidar_.stats();
   StreamReport report;
   report.items = stats.accepted;
   report.missing = stats.lost;

@@ -8,9 +8,10 @@
 
 #include "drivers/gnss/nmea_parser.hpp"
 #include "drivers/imu/imu_frame_parser.hpp"
-#include "drivers/velodyne/vlp16_decoder.hpp"
+#include "drivers/lidar/spinning_lidar.hpp"
 #include "drivers/wheel/wheel_parser.hpp"
 #include "tools/slam-replay/drive/read_source.hpp"
+#include "tools/slam-replay/drive/sensors.hpp"
 
 namespace slamd::replay {
 
@@ -55,12 +56,12 @@ class WireStream : public Stream<Item> {
 using ImuWireStream = WireStream<ImuFrameParser, ImuSample>;
 using GnssWireStream = WireStream<NmeaParser, GnssFix>;
 
-/// Datagrams of a VLP-16.
-class Vlp16Stream : public Stream<LidarPacket> {
+/// Datagrams of a spinning LiDAR.
+class SpinningStream : public Stream<LidarPacket> {
  public:
-  /// Datagrams to other ports than `port` are left alone; those without a port are all of the sensor.
-  Vlp16Stream(std::unique_ptr<ReadSource> reads, const LidarDecoderConfig& config, std::uint16_t port)
-      : reads_{std::move(reads)}, decoder_{config}, port_{port} {}
+  /// Datagrams to other ports than the setup's are left alone; those without a port are data packets.
+  SpinningStream(std::unique_ptr<ReadSource> reads, const LidarSetup& setup)
+      : reads_{std::move(reads)}, lidar_{setup.model, setup.decoder}, ports_{setup.ports} {}
 
   const LidarPacket* next() override;
   StreamReport report() const override;
@@ -68,8 +69,8 @@ class Vlp16Stream : public Stream<LidarPacket> {
 
  private:
   std::unique_ptr<ReadSource> reads_;
-  Vlp16Decoder decoder_;
-  std::uint16_t port_;
+  SpinningLidar lidar_;
+  LidarPorts ports_;
 };
 
 }  // namespace slamd::replay

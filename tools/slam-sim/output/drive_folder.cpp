@@ -51,10 +51,13 @@ void DriveFolder::write(const WireEvent& event) {
     case Channel::kLidar:
       format_.lidar == LidarKind::kLaserScan
           ? write_line(event, "scan.csv", "t_ns,angle_begin_rad,angle_step_rad,beam_s,range_max_m,ranges_m", scan_)
-          : write_bytes(event, 2368, "lidar.pcap", lidar_);
+          : write_bytes(event, ports_of(format_.lidar).points, "lidar.pcap", lidar_);
       break;
     case Channel::kPosition:
-      write_bytes(event, 8308, "lidar.pcap", lidar_);
+      write_bytes(event, ports_of(format_.lidar).side, "lidar.pcap", lidar_);
+      break;
+    case Channel::kLidarImu:
+      write_bytes(event, ports_of(format_.lidar).imu, "lidar.pcap", lidar_);
       break;
     case Channel::kImu:
       format_.serial_bytes ? write_bytes(event, 0, "imu.pcap", imu_bytes_) : write_imu(event);

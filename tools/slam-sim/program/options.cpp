@@ -27,7 +27,7 @@ const std::map<std::string, CourseKind> kCourses{{"loop", CourseKind::kLoop},
 const std::map<std::string, ReturnMode> kReturns{
     {"strongest", ReturnMode::kStrongest}, {"last", ReturnMode::kLast}, {"dual", ReturnMode::kDual}};
 
-const std::map<std::string, LidarKind> kLidars{{"vlp16", LidarKind::kVlp16}, {"laser_scan", LidarKind::kLaserScan}};
+const std::map<std::string, LidarKind> kLidars{{"vlp16", LidarKind::kVlp16}, {"airy", LidarKind::kAiry}, {"laser_scan", LidarKind::kLaserScan}};
 
 template <class Enum>
 void add_choice(CLI::App& app, const char* name, const std::map<std::string, Enum>& words, Enum& target,
@@ -131,7 +131,7 @@ void add_mounting(CLI::App& app, Mounting& mounting) {
 }
 
 void add_lidar(CLI::App& app, DriveSpec& d) {
-  add_choice(app, "--lidar", kLidars, d.lidar_kind, "which one: a VLP-16, or an LDS-01 that gives finished scans (default: by the scenario)");
+  add_choice(app, "--lidar", kLidars, d.lidar_kind, "which one: a VLP-16, a RoboSense Airy, or an LDS-01 that gives finished scans (default: by the scenario)");
   app.add_flag_callback(
       "--no-lidar", [&d] { d.with_lidar = false; }, "switched off");
   app.add_option("--rpm", d.lidar.rpm, "revolutions per minute")
@@ -255,8 +255,9 @@ void add_output(CLI::App& app, Options& o) {
   app.add_option("--udp-host", l.udp_host, "IPv4 address the LiDAR's packets go to")
       ->needs(live)
       ->capture_default_str();
-  app.add_option("--lidar-port", l.lidar_port, "of data packets")->needs(live)->capture_default_str();
-  app.add_option("--position-port", l.position_port, "of position packets")->needs(live)->capture_default_str();
+  app.add_option("--lidar-port", l.ports.points, "of data packets (default: the LiDAR's own)")->needs(live);
+  app.add_option("--position-port", l.ports.side, "of position or device packets, likewise")->needs(live);
+  app.add_option("--lidar-imu-port", l.ports.imu, "of an Airy's IMU, likewise")->needs(live);
   app.add_option("--imu-pty", l.imu_pty, "symlink to make: the IMU's serial port")->needs(live);
   app.add_option("--gps-pty", l.gps_pty, "symlink to make: the receiver's serial port")->needs(live);
   app.add_option("--wheel-pty", l.wheel_pty, "symlink to make: the wheel odometry's serial port")->needs(live);

@@ -10,8 +10,7 @@ namespace slamd::sim {
 
 struct LiveOptions {
   std::string udp_host = "127.0.0.1";
-  std::uint16_t lidar_port = 2368;
-  std::uint16_t position_port = 8308;
+  LidarPorts ports{0, 0, 0};  // 0 = the LiDAR's own
   std::string imu_pty;  // symlinks to the slaves; empty = none
   std::string gps_pty;
   std::string wheel_pty;

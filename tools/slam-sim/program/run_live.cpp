@@ -40,7 +40,10 @@ void raise_priority() {
 /// The cables: every event goes out of the port of its channel.
 class Cables {
  public:
-  explicit Cables(const LiveOptions& options) : options_{options}, udp_{options.udp_host} {
+  Cables(const LiveOptions& options, const LidarPorts& own) : ports_{own}, udp_{options.udp_host} {
+    if (options.ports.points != 0) ports_.points = options.ports.points;
+    if (options.ports.side != 0) ports_.side = options.ports.side;
+    if (options.ports.imu != 0) ports_.imu = options.ports.imu;
     if (!options.imu_pty.empty()) imu_ = std::make_unique<PtyPort>(options.imu_pty);
     if (!options.gps_pty.empty()) gps_ = std::make_unique<PtyPort>(options.gps_pty);
     if (!options.wheel_pty.empty()) wheel_ = std::make_unique<PtyPort>(options.wheel_pty);
@@ -50,10 +53,13 @@ class Cables {
     bool sent = true;
     switch (event.channel) {
       case Channel::kLidar:
-        sent = udp_.send(options_.lidar_port, event.bytes);
+        sent = udp_.send(ports_.points, event.bytes);
         break;
       case Channel::kPosition:
-        sent = udp_.send(options_.position_port, event.bytes);
+        sent = udp_.send(ports_.side, event.bytes);
+        break;
+      case Channel::kLidarImu:
+        sent = udp_.send(ports_.imu, event.bytes);
         break;
       case Channel::kImu:
         sent = !imu_ || imu_->write(event.bytes);
@@ -70,7 +76,7 @@ class Cables {
   std::uint64_t unread() const { return unread_; }
 
  private:
-  LiveOptions options_;
+  LidarPorts ports_;
   UdpSender udp_;
   std::unique_ptr<PtyPort> imu_, gps_, wheel_;
   std::uint64_t unread_ = 0;
@@ -105,7 +111,7 @@ class TruthFile {
 
 int run_live(const Options& options) {
   StopSignals stop;
-  Cables cables{options.live_options};
+  Cables cables{options.live_options, ports_of(options.drive.lidar_kind)};
   Simulation simulation{options.drive};
   const double duration = simulation.duration();
   SliceQueue queue{simulation, kAhead};

@@ -7,9 +7,10 @@
 namespace slamd::sim {
 namespace {
 
-/// Position packets share the LiDAR's cable and fate.
+/// Everything of the LiDAR shares its cable and fate.
 bool concerns(const Fault& fault, Channel channel) {
-  return fault.sensor == channel || (fault.sensor == Channel::kLidar && channel == Channel::kPosition);
+  return fault.sensor == channel ||
+         (fault.sensor == Channel::kLidar && (channel == Channel::kPosition || channel == Channel::kLidarImu));
 }
 
 }  // namespace

@@ -94,29 +94,35 @@ Inertial ImuSensor::with_errors(Inertial truth, double t) {
   return truth;
 }
 
-std::optional<WireEvent> ImuSensor::next(double until) {
+std::optional<ImuSensor::Measured> ImuSensor::measure(double until) {
   const double t = static_cast<double>(count_) / (model_.rate_hz * clock_.rate());
   if (t >= until || t > trajectory_.duration()) return std::nullopt;
   const Inertial sensed = with_errors(low_passed(t), t);
-  const Quantised gyro = quantise(sensed.rate_rads, kImuGyroMdpsPerLsb * kRadPerMdps);
-  const Quantised accel = quantise(sensed.specific_force_mps2, kImuAccelMgPerLsb * kMps2PerMg);
+  const double delay_s = model_.latency_min_s + model_.latency_jitter_s * rng_.uniform();
+  return Measured{t, static_cast<std::uint32_t>(count_++), delay_s, sensed};
+}
+
+std::optional<WireEvent> ImuSensor::next(double until) {
+  const std::optional<Measured> measured = measure(until);
+  if (!measured) return std::nullopt;
+  const double t = measured->t;
+  const Quantised gyro = quantise(measured->sensed.rate_rads, kImuGyroMdpsPerLsb * kRadPerMdps);
+  const Quantised accel = quantise(measured->sensed.specific_force_mps2, kImuAccelMgPerLsb * kMps2PerMg);
   ImuFrame frame;
   const auto bit = [](ImuStatus status) { return static_cast<unsigned>(status); };
   frame.status = static_cast<std::uint8_t>((gyro.clipped ? bit(ImuStatus::kGyroClipped) : 0U) |
                                            (accel.clipped ? bit(ImuStatus::kAccelClipped) : 0U) |
-                                           (count_ == 0 ? bit(ImuStatus::kFirstFrame) : 0U));
-  frame.sequence = static_cast<std::uint16_t>(count_);
+                                           (measured->count == 0 ? bit(ImuStatus::kFirstFrame) : 0U));
+  frame.sequence = static_cast<std::uint16_t>(measured->count);
   frame.device_us = static_cast<std::uint64_t>(std::llround(clock_.reading(t) * 1e6));
   frame.gyro = gyro.counts;
   frame.accel = accel.counts;
   const double temperature_c = 31.0 + 1.5 * (1.0 - std::exp(-t / 120.0));
   frame.temperature =
       static_cast<std::int16_t>(std::lround((temperature_c - kImuTemperatureZeroC) * kImuTemperatureLsbPerC));
-  ++count_;
   const auto bytes = encode(frame);
-  const double delay = model_.latency_min_s + model_.latency_jitter_s * rng_.uniform();
   const auto taken = std::llround(t * 1e9);
-  return WireEvent{Channel::kImu, taken, taken + std::llround(delay * 1e9), {bytes.begin(), bytes.end()}};
+  return WireEvent{Channel::kImu, taken, taken + std::llround(measured->delay_s * 1e9), {bytes.begin(), bytes.end()}};
 }
 
 }  // namespace slamd::sim

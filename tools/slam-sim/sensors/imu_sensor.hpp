@@ -43,7 +43,17 @@ class ImuSensor {
   ImuSensor(const ImuModel& model, const Trajectory& trajectory, const Pose& T_base_imu, SensorClock clock,
             std::uint64_t seed);
 
-  /// The next frame taken before `until` (seconds); frames come in order.
+  /// What it measures at one instant, before any wire.
+  struct Measured {
+    double t;
+    std::uint32_t count;  // of the samples before
+    double delay_s;       // until the host has it
+    Inertial sensed;
+  };
+
+  /// The next sample taken before `until` (seconds); samples come in order.
+  std::optional<Measured> measure(double until);
+  /// The same as a frame of our firmware.
   std::optional<WireEvent> next(double until);
 
  private:

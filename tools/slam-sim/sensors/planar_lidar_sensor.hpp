@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "tools/slam-sim/sensors/lidar_sensor.hpp"
+#include "tools/slam-sim/sensors/lidar_model.hpp"
 
 namespace slamd::sim {
 

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <thread>
 
+#include "tools/slam-sim/sensors/airy_sensor.hpp"
 #include "tools/slam-sim/sensors/fault_injector.hpp"
 #include "tools/slam-sim/sensors/position_sensor.hpp"
+#include "tools/slam-sim/sensors/vlp16_sensor.hpp"
 
 namespace slamd::sim {
 namespace {
@@ -100,7 +102,21 @@ void in_parallel(int threads, std::size_t count, const Job& job) {
 }  // namespace
 
 const char* name(LidarKind kind) {
-  return kind == LidarKind::kLaserScan ? "laser_scan" : "vlp16";
+  switch (kind) {
+    case LidarKind::kVlp16: return "vlp16";
+    case LidarKind::kAiry: return "airy";
+    case LidarKind::kLaserScan: break;
+  }
+  return "laser_scan";
+}
+
+LidarPorts ports_of(LidarKind kind) {
+  switch (kind) {
+    case LidarKind::kVlp16: return {2368, 8308, 0};
+    case LidarKind::kAiry: return {6699, 7788, 6688};
+    case LidarKind::kLaserScan: break;
+  }
+  return {0, 0, 0};
 }
 
 struct Simulation::Parts {
@@ -111,13 +127,12 @@ struct Simulation::Parts {
         trajectory{world, path, plan_of(wanted, world, path)},
         traffic{world, trajectory, path, wanted.crowd, wanted.seed},
         vehicle{wanted.mounting.actual()},
-        lidar{wanted.lidar, {world, traffic, trajectory, vehicle}, lidar_clock(wanted), wanted.seed},
         planar_lidar{wanted.planar_lidar, {world, traffic, trajectory, vehicle}, wanted.seed},
-        position{wanted.lidar, wanted.gps, trajectory, lidar_clock(wanted), wanted.seed},
         imu{wanted.imu, trajectory, vehicle.T_base_imu, imu_clock(wanted), wanted.seed},
         gps{wanted.gps, trajectory, vehicle.p_base_antenna, wanted.seed},
         wheel{wanted.wheel, trajectory, wheel_clock(wanted), wanted.seed},
         injector{wanted.faults, wanted.seed} {
+    add_packet_sensors();
     if (spec.threads <= 0) spec.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     for (const Fault& fault : spec.faults) {
       if (fault.kind == FaultKind::kJump) gps.disturb({fault.from_s, fault.to_s, fault.value});
@@ -127,8 +142,8 @@ struct Simulation::Parts {
   double duration() const {
     return spec.max_duration_s > 0.0 ? std::min(spec.max_duration_s, trajectory.duration()) : trajectory.duration();
   }
-  std::vector<WireEvent> take_lidar(double until);
-  std::vector<WireEvent> take_position(double until);
+  void add_packet_sensors();
+  std::vector<WireEvent> take_packets(std::size_t which, double until);
   /// Events of a sensor that makes them one by one.
   template <class Sensor>
   void take(Sensor& sensor, double until) {
@@ -143,33 +158,41 @@ struct Simulation::Parts {
   Trajectory trajectory;
   Traffic traffic;
   VehicleGeometry vehicle;
-  LidarSensor lidar;
+  std::vector<std::pair<std::unique_ptr<PacketSensor>, std::int64_t>> packet_sensors;  // with the packets taken so far
+  std::optional<AiryImuSensor> lidar_imu;
   PlanarLidarSensor planar_lidar;
-  PositionSensor position;
   ImuSensor imu;
   GpsSensor gps;
   WheelSensor wheel;
   FaultInjector injector;
   std::vector<WireEvent> pending;
   std::array<std::int64_t, kChannels> last_arrival_ns{};
-  std::int64_t lidar_packets = 0, position_packets = 0;
   double time = 0.0;
 };
 
-std::vector<WireEvent> Simulation::Parts::take_lidar(double until) {
-  std::int64_t end = lidar_packets;
-  while (lidar.packet_time(end) < until && lidar.packet_time(end + 1) < duration()) ++end;
-  std::vector<WireEvent> events(static_cast<std::size_t>(end - lidar_packets));
-  in_parallel(spec.threads, events.size(),
-              [&](std::size_t i) { events[i] = lidar.packet(lidar_packets + static_cast<std::int64_t>(i)); });
-  lidar_packets = end;
-  return events;
+/// Of the LiDAR that the drive has.
+void Simulation::Parts::add_packet_sensors() {
+  const Surroundings around{world, traffic, trajectory, vehicle};
+  const SensorClock clock = lidar_clock(spec);
+  if (!spec.with_lidar) return;
+  if (spec.lidar_kind == LidarKind::kVlp16) {
+    packet_sensors.emplace_back(std::make_unique<Vlp16Sensor>(spec.lidar, around, clock, spec.seed), 0);
+    packet_sensors.emplace_back(std::make_unique<PositionSensor>(spec.lidar, spec.gps, trajectory, clock, spec.seed), 0);
+  } else if (spec.lidar_kind == LidarKind::kAiry) {
+    packet_sensors.emplace_back(std::make_unique<AirySensor>(spec.lidar, around, clock, spec.seed), 0);
+    packet_sensors.emplace_back(std::make_unique<AiryDeviceSensor>(spec.lidar, spec.seed), 0);
+    lidar_imu.emplace(spec.imu, trajectory, vehicle.T_base_lidar, clock, spec.seed + 1);
+  }
 }
 
-std::vector<WireEvent> Simulation::Parts::take_position(double until) {
-  std::vector<WireEvent> events;
-  for (; position.packet_time(position_packets) < until; ++position_packets)
-    events.push_back(position.packet(position_packets));
+/// Of the first sensor, the LiDAR itself, only packets that are over before the drive ends.
+std::vector<WireEvent> Simulation::Parts::take_packets(std::size_t which, double until) {
+  auto& [sensor, taken] = packet_sensors[which];
+  const std::int64_t begin = taken;
+  while (sensor->packet_time(taken) < until && (which > 0 || sensor->packet_time(taken + 1) < duration())) ++taken;
+  std::vector<WireEvent> events(static_cast<std::size_t>(taken - begin));
+  in_parallel(spec.threads, events.size(),
+              [&, &made = *sensor](std::size_t i) { events[i] = made.packet(begin + static_cast<std::int64_t>(i)); });
   return events;
 }
 
@@ -201,12 +224,9 @@ Simulation::~Simulation() = default;
 std::vector<WireEvent> Simulation::next_slice() {
   Parts& p = *parts_;
   p.time = std::min(p.time + kSlice, p.duration());
-  if (p.spec.with_lidar && p.spec.lidar_kind == LidarKind::kLaserScan) {
-    p.take(p.planar_lidar, p.time);
-  } else if (p.spec.with_lidar) {
-    p.admit(p.take_lidar(p.time));
-    p.admit(p.take_position(p.time));
-  }
+  if (p.spec.with_lidar && p.spec.lidar_kind == LidarKind::kLaserScan) p.take(p.planar_lidar, p.time);
+  for (std::size_t i = 0; i < p.packet_sensors.size(); ++i) p.admit(p.take_packets(i, p.time));
+  if (p.lidar_imu) p.take(*p.lidar_imu, p.time);
   if (p.spec.with_imu) p.take(p.imu, p.time);
   if (p.spec.with_wheel) p.take(p.wheel, p.time);
   while (p.spec.with_gps) {

@@ -8,7 +8,7 @@
 #include "tools/slam-sim/sensors/fault.hpp"
 #include "tools/slam-sim/sensors/gps_sensor.hpp"
 #include "tools/slam-sim/sensors/imu_sensor.hpp"
-#include "tools/slam-sim/sensors/lidar_sensor.hpp"
+#include "tools/slam-sim/sensors/lidar_model.hpp"
 #include "tools/slam-sim/sensors/mounting.hpp"
 #include "tools/slam-sim/sensors/planar_lidar_sensor.hpp"
 #include "tools/slam-sim/sensors/wheel_sensor.hpp"
@@ -30,8 +30,14 @@ struct CourseSpec {
 };
 
 /// Named as in vehicle.yaml.
-enum class LidarKind { kVlp16, kLaserScan };
+enum class LidarKind { kVlp16, kAiry, kLaserScan };
 const char* name(LidarKind kind);
+
+/// UDP ports that a spinning LiDAR sends to as delivered; 0 = it has none.
+struct LidarPorts {
+  std::uint16_t points, side, imu;
+};
+LidarPorts ports_of(LidarKind kind);
 
 struct DriveSpec {
   WorldKind world = WorldKind::kCampus;

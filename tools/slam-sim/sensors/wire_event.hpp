@@ -6,8 +6,9 @@
 
 namespace slamd::sim {
 
-enum class Channel : std::uint8_t { kLidar, kPosition, kImu, kGps, kWheel };
-inline constexpr int kChannels = 5;
+/// kPosition: the second port of a spinning LiDAR (VLP-16 position packets, Airy device packets); kLidarImu: of an IMU built into it.
+enum class Channel : std::uint8_t { kLidar, kPosition, kLidarImu, kImu, kGps, kWheel };
+inline constexpr int kChannels = 6;
 
 /// Times are nanoseconds from the start of the drive.
 struct WireEvent {

@@ -1,4 +1,4 @@
-#include "drivers/robosense/airy_imu.hpp"
+#include "drivers/robosense/airy_imu_packet.hpp"
 
 #include <numbers>
 
