@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "firmware/protocol/imu_frame.hpp"
+#include "tools/slam-sim/sensors/rplidar_device.hpp"
 
 namespace slamd::sim {
 namespace {
@@ -42,16 +43,14 @@ DriveFolder::DriveFolder(const std::filesystem::path& folder, const FolderFormat
       gps_{nullptr, &std::fclose},
       wheel_{nullptr, &std::fclose},
       scan_{nullptr, &std::fclose} {
-  for (const char* name : {"lidar.pcap", "scan.csv", "imu.csv", "gps.csv", "imu.pcap", "gps.pcap", "wheel.csv"})
+  for (const char* name : {"lidar.pcap", "rplidar.pcap", "scan.csv", "imu.csv", "gps.csv", "imu.pcap", "gps.pcap", "wheel.csv"})
     std::filesystem::remove(folder_ / name);
 }
 
 void DriveFolder::write(const WireEvent& event) {
   switch (event.channel) {
     case Channel::kLidar:
-      format_.lidar == LidarKind::kLaserScan
-          ? write_line(event, "scan.csv", "t_ns,angle_begin_rad,angle_step_rad,beam_s,range_max_m,ranges_m", scan_)
-          : write_bytes(event, ports_of(format_.lidar).points, "lidar.pcap", lidar_);
+      write_lidar(event);
       break;
     case Channel::kPosition:
       write_bytes(event, ports_of(format_.lidar).side, "lidar.pcap", lidar_);
@@ -82,6 +81,19 @@ void DriveFolder::write_bytes(const WireEvent& event, std::uint16_t port, const 
     file = std::move(sink).value();
   }
   file->write({event.bytes, from_ns<HostTime>(format_.host_start_ns + event.arrival_ns), ipv4_address(kFactoryAddress), port, port});
+}
+
+/// An RPLIDAR's stream begins with what it had answered before.
+void DriveFolder::write_lidar(const WireEvent& event) {
+  if (format_.lidar == LidarKind::kLaserScan)
+    return write_line(event, "scan.csv", "t_ns,angle_begin_rad,angle_step_rad,beam_s,range_max_m,ranges_m", scan_);
+  if (format_.lidar != LidarKind::kRplidarA2) return write_bytes(event, ports_of(format_.lidar).points, "lidar.pcap", lidar_);
+  if (!lidar_) {
+    WireEvent greeting = event;
+    greeting.bytes = rplidar_greeting(format_.rplidar);
+    write_bytes(greeting, 0, "rplidar.pcap", lidar_);
+  }
+  write_bytes(event, 0, "rplidar.pcap", lidar_);
 }
 
 void DriveFolder::write_imu(const WireEvent& event) {

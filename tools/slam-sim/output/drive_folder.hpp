@@ -1,5 +1,5 @@
 #pragma once
-// Writes wire events as a drive folder: lidar.pcap or scan.csv, imu.csv, gps.csv, wheel.csv, truth.tum, vehicle.yaml. Design,
+// Writes wire events as a drive folder: lidar.pcap, rplidar.pcap or scan.csv, imu.csv, gps.csv, wheel.csv, truth.tum, vehicle.yaml. Design,
 // section 8. On request the serial bytes as they are (imu.pcap, gps.pcap) in place of the two tables.
 
 #include <cstdio>
@@ -15,6 +15,7 @@ namespace slamd::sim {
 struct FolderFormat {
   std::int64_t host_start_ns = 0;  // host time of the start of the drive
   LidarKind lidar = LidarKind::kVlp16;
+  RplidarFirmware rplidar = RplidarFirmware::kBoost;
   bool serial_bytes = false;
 };
 
@@ -33,6 +34,7 @@ class DriveFolder {
   using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
   static File open(const std::filesystem::path& path);
   void write_bytes(const WireEvent& event, std::uint16_t port, const char* name, std::optional<PcapSink>& file);
+  void write_lidar(const WireEvent& event);
   void write_imu(const WireEvent& event);
   void write_line(const WireEvent& event, const char* name, const char* header, File& file);
 

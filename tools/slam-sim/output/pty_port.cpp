@@ -48,4 +48,9 @@ bool PtyPort::write(std::span<const std::uint8_t> bytes) {
   return ::write(master_.get(), bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size()) && !stale;
 }
 
+std::span<const std::uint8_t> PtyPort::read() {
+  const ssize_t size = ::read(master_.get(), received_.data(), received_.size());
+  return std::span{received_}.first(size > 0 ? static_cast<std::size_t>(size) : 0);
+}
+
 }  // namespace slamd::sim

@@ -27,7 +27,11 @@ const std::map<std::string, CourseKind> kCourses{{"loop", CourseKind::kLoop},
 const std::map<std::string, ReturnMode> kReturns{
     {"strongest", ReturnMode::kStrongest}, {"last", ReturnMode::kLast}, {"dual", ReturnMode::kDual}};
 
-const std::map<std::string, LidarKind> kLidars{{"vlp16", LidarKind::kVlp16}, {"airy", LidarKind::kAiry}, {"laser_scan", LidarKind::kLaserScan}};
+const std::map<std::string, LidarKind> kLidars{{"vlp16", LidarKind::kVlp16}, {"airy", LidarKind::kAiry},
+                                               {"rplidar_a2", LidarKind::kRplidarA2}, {"laser_scan", LidarKind::kLaserScan}};
+
+const std::map<std::string, RplidarFirmware> kFirmwares{
+    {"standard", RplidarFirmware::kStandard}, {"express", RplidarFirmware::kExpress}, {"boost", RplidarFirmware::kBoost}};
 
 template <class Enum>
 void add_choice(CLI::App& app, const char* name, const std::map<std::string, Enum>& words, Enum& target,
@@ -131,12 +135,13 @@ void add_mounting(CLI::App& app, Mounting& mounting) {
 }
 
 void add_lidar(CLI::App& app, DriveSpec& d) {
-  add_choice(app, "--lidar", kLidars, d.lidar_kind, "which one: a VLP-16, a RoboSense Airy, or an LDS-01 that gives finished scans (default: by the scenario)");
+  add_choice(app, "--lidar", kLidars, d.lidar_kind, "which one: a VLP-16, a RoboSense Airy, an RPLIDAR A2, or an LDS-01 that gives finished scans (default: by the scenario)");
   app.add_flag_callback(
       "--no-lidar", [&d] { d.with_lidar = false; }, "switched off");
   app.add_option("--rpm", d.lidar.rpm, "revolutions per minute")
       ->check(CLI::Range(300.0, 1200.0))
       ->capture_default_str();
+  add_choice(app, "--a2-firmware", kFirmwares, d.rplidar, "of an RPLIDAR A2: the scan that it knows best (default: boost)");
   add_choice(app, "--returns", kReturns, d.lidar.mode, "which echoes (default: strongest)");
   app.add_option("--range-noise", d.lidar.range_noise_m, "standard deviation, m")
       ->check(CLI::Range(0.0, 1.0))
@@ -258,6 +263,7 @@ void add_output(CLI::App& app, Options& o) {
   app.add_option("--lidar-port", l.ports.points, "of data packets (default: the LiDAR's own)")->needs(live);
   app.add_option("--position-port", l.ports.side, "of position or device packets, likewise")->needs(live);
   app.add_option("--lidar-imu-port", l.ports.imu, "of an Airy's IMU, likewise")->needs(live);
+  app.add_option("--lidar-pty", l.lidar_pty, "symlink to make: the serial port of an RPLIDAR A2, which answers commands")->needs(live);
   app.add_option("--imu-pty", l.imu_pty, "symlink to make: the IMU's serial port")->needs(live);
   app.add_option("--gps-pty", l.gps_pty, "symlink to make: the receiver's serial port")->needs(live);
   app.add_option("--wheel-pty", l.wheel_pty, "symlink to make: the wheel odometry's serial port")->needs(live);

@@ -11,6 +11,7 @@ namespace slamd::sim {
 struct LiveOptions {
   std::string udp_host = "127.0.0.1";
   LidarPorts ports{0, 0, 0};  // 0 = the LiDAR's own
+  std::string lidar_pty;
   std::string imu_pty;  // symlinks to the slaves; empty = none
   std::string gps_pty;
   std::string wheel_pty;

@@ -9,7 +9,7 @@ namespace slamd::sim {
 
 int run_folder(const Options& options) {
   StopSignals stop;
-  DriveFolder folder{options.out, {std::llround(options.host_start_s * 1e9), options.drive.lidar_kind, options.serial_bytes}};
+  DriveFolder folder{options.out, {std::llround(options.host_start_s * 1e9), options.drive.lidar_kind, options.drive.rplidar, options.serial_bytes}};
   Simulation simulation{options.drive};
   Progress progress{options.scenario, simulation.duration(), options.quiet};
   std::uint64_t events = 0;

@@ -11,6 +11,7 @@
 #include "tools/slam-sim/output/slice_queue.hpp"
 #include "tools/slam-sim/output/stop_signals.hpp"
 #include "tools/slam-sim/output/udp_sender.hpp"
+#include "tools/slam-sim/sensors/rplidar_device.hpp"
 #include "tools/progress/progress.hpp"
 #include "tools/slam-sim/program/run.hpp"
 
@@ -40,7 +41,9 @@ void raise_priority() {
 /// The cables: every event goes out of the port of its channel.
 class Cables {
  public:
-  Cables(const LiveOptions& options, const LidarPorts& own) : ports_{own}, udp_{options.udp_host} {
+  Cables(const LiveOptions& options, const DriveSpec& drive)
+      : ports_{ports_of(drive.lidar_kind)}, udp_{options.udp_host}, rplidar_{drive.rplidar} {
+    if (!options.lidar_pty.empty()) lidar_ = std::make_unique<PtyPort>(options.lidar_pty);
     if (options.ports.points != 0) ports_.points = options.ports.points;
     if (options.ports.side != 0) ports_.side = options.ports.side;
     if (options.ports.imu != 0) ports_.imu = options.ports.imu;
@@ -53,7 +56,7 @@ class Cables {
     bool sent = true;
     switch (event.channel) {
       case Channel::kLidar:
-        sent = udp_.send(ports_.points, event.bytes);
+        sent = ports_.points != 0 ? udp_.send(ports_.points, event.bytes) : !lidar_ || !rplidar_.is_scanning() || lidar_->write(event.bytes);
         break;
       case Channel::kPosition:
         sent = udp_.send(ports_.side, event.bytes);
@@ -73,12 +76,19 @@ class Cables {
     }
     unread_ += sent ? 0 : 1;
   }
+  /// Commands of hosts to devices that take any.
+  void answer() {
+    if (!lidar_) return;
+    const std::vector<std::uint8_t> answer = rplidar_.take(lidar_->read());
+    if (!answer.empty()) lidar_->write(answer);
+  }
   std::uint64_t unread() const { return unread_; }
 
  private:
   LidarPorts ports_;
   UdpSender udp_;
-  std::unique_ptr<PtyPort> imu_, gps_, wheel_;
+  RplidarDevice rplidar_;
+  std::unique_ptr<PtyPort> lidar_, imu_, gps_, wheel_;
   std::uint64_t unread_ = 0;
 };
 
@@ -111,7 +121,7 @@ class TruthFile {
 
 int run_live(const Options& options) {
   StopSignals stop;
-  Cables cables{options.live_options, ports_of(options.drive.lidar_kind)};
+  Cables cables{options.live_options, options.drive};
   Simulation simulation{options.drive};
   const double duration = simulation.duration();
   SliceQueue queue{simulation, kAhead};
@@ -128,6 +138,7 @@ int run_live(const Options& options) {
     for (const WireEvent& event : *slice) {
       if (stop.pending()) break;
       sleep_until(start_ns + event.arrival_ns);
+      cables.answer();
       cables.send(event);
       worst_late_ns = std::max(worst_late_ns, now_ns() - start_ns - event.arrival_ns);
       time = std::min(static_cast<double>(event.arrival_ns) * 1e-9, duration);

@@ -105,6 +105,7 @@ const char* name(LidarKind kind) {
   switch (kind) {
     case LidarKind::kVlp16: return "vlp16";
     case LidarKind::kAiry: return "airy";
+    case LidarKind::kRplidarA2: return "rplidar_a2";
     case LidarKind::kLaserScan: break;
   }
   return "laser_scan";
@@ -114,6 +115,7 @@ LidarPorts ports_of(LidarKind kind) {
   switch (kind) {
     case LidarKind::kVlp16: return {2368, 8308, 0};
     case LidarKind::kAiry: return {6699, 7788, 6688};
+    case LidarKind::kRplidarA2:
     case LidarKind::kLaserScan: break;
   }
   return {0, 0, 0};
@@ -182,6 +184,8 @@ void Simulation::Parts::add_packet_sensors() {
     packet_sensors.emplace_back(std::make_unique<AirySensor>(spec.lidar, around, clock, spec.seed), 0);
     packet_sensors.emplace_back(std::make_unique<AiryDeviceSensor>(spec.lidar, spec.seed), 0);
     lidar_imu.emplace(spec.imu, trajectory, vehicle.T_base_lidar, clock, spec.seed + 1);
+  } else if (spec.lidar_kind == LidarKind::kRplidarA2) {
+    packet_sensors.emplace_back(std::make_unique<RplidarSensor>(spec.lidar, spec.rplidar, around, clock, spec.seed), 0);
   }
 }
 

@@ -11,6 +11,7 @@
 #include "tools/slam-sim/sensors/lidar_model.hpp"
 #include "tools/slam-sim/sensors/mounting.hpp"
 #include "tools/slam-sim/sensors/planar_lidar_sensor.hpp"
+#include "tools/slam-sim/sensors/rplidar_sensor.hpp"
 #include "tools/slam-sim/sensors/wheel_sensor.hpp"
 
 namespace slamd::sim {
@@ -30,7 +31,7 @@ struct CourseSpec {
 };
 
 /// Named as in vehicle.yaml.
-enum class LidarKind { kVlp16, kAiry, kLaserScan };
+enum class LidarKind { kVlp16, kAiry, kRplidarA2, kLaserScan };
 const char* name(LidarKind kind);
 
 /// UDP ports that a spinning LiDAR sends to as delivered; 0 = it has none.
@@ -49,6 +50,7 @@ struct DriveSpec {
   bool with_lidar = true, with_imu = true, with_gps = true, with_wheel = false;
   LidarKind lidar_kind = LidarKind::kVlp16;
   LidarModel lidar;
+  RplidarFirmware rplidar = RplidarFirmware::kBoost;
   PlanarLidarModel planar_lidar;
   ImuModel imu;
   GpsModel gps;

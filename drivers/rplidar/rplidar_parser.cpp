@@ -1,0 +1,107 @@
+#include "drivers/rplidar/rplidar_parser.hpp"
+
+#include <numbers>
+#include <utility>
+
+namespace slamd {
+namespace {
+
+using std::chrono::microseconds;
+
+constexpr Duration kLongestPeriod = microseconds{2'000};
+constexpr Duration kShortestPeriod = microseconds{30};
+
+std::size_t samples_of(RplidarAnswer answer) {
+  if (answer == RplidarAnswer::kBoost) return 96;
+  return answer == RplidarAnswer::kExpress ? 32 : kRplidarNodesTogether;
+}
+
+std::size_t bytes_of(RplidarAnswer answer) {
+  if (answer == RplidarAnswer::kBoost) return kRplidarBoostBytes;
+  return answer == RplidarAnswer::kExpress ? kRplidarExpressBytes : kRplidarNodeBytes;
+}
+
+/// What firmware does that tells nothing else: 8,000 samples a second, 4,000 in the other modes.
+Duration usual_period(RplidarAnswer answer) { return answer == RplidarAnswer::kBoost ? microseconds{125} : microseconds{250}; }
+
+}  // namespace
+
+RplidarParser::RplidarParser(const Config& config) : config_{config} {
+  open_.beams.reserve(kMaxBeams);
+  scan_.beams.reserve(kMaxBeams);
+}
+
+void RplidarParser::restart() {
+  reader_.restart();
+  unpacker_.restart();
+  clock_.reset();
+  told_period_.reset();
+  is_open_ = false;
+}
+
+/// Answers that say how fast the sensor samples, and begins of streams.
+void RplidarParser::note(const RplidarPacket& packet) {
+  if (packet.bytes.empty()) return begin_stream(packet.answer);
+  if (packet.answer != RplidarAnswer::kConfig) return;
+  const std::optional<RplidarConfigValue> entry = parse_rplidar_config(packet.bytes);
+  if (!entry || entry->key != RplidarConfigKey::kSamplePeriod) return;
+  const Duration period{std::int64_t{entry->value} * 1'000 / 256};
+  if (period >= kShortestPeriod && period <= kLongestPeriod) told_period_ = period;
+}
+
+void RplidarParser::begin_stream(RplidarAnswer answer) {
+  unpacker_.restart();
+  is_open_ = false;
+  period_ = answer == RplidarAnswer::kScan ? usual_period(answer) : told_period_.value_or(usual_period(answer));
+  SampleClock::Config clock;
+  clock.nominal_period = static_cast<std::int64_t>(samples_of(answer)) * period_;
+  const double wire_s = 10.0 * static_cast<double>(bytes_of(answer)) / config_.baud;
+  clock.min_latency = config_.latency + from_seconds(wire_s);
+  clock_.emplace(clock);
+  packet_end_ = HostTime{};
+}
+
+/// Samples whose directions this packet settles; sample_time_ is then that of the first of them.
+std::span<const RplidarSample> RplidarParser::timed(const RplidarPacket& packet, HostTime arrival) {
+  if (!clock_) return {};
+  const std::optional<RplidarSamples> found = unpacker_.take(packet);
+  const bool is_node = packet.answer == RplidarAnswer::kScan;
+  if (is_node && !found) return {};
+  const HostTime before = packet_end_;
+  packet_end_ = clock_->update(arrival);
+  if (!found) return {};
+  const HostTime last = found->is_delayed ? before : packet_end_;
+  sample_time_ = last - static_cast<std::int64_t>(found->samples.size() - 1) * period_;
+  return found->samples;
+}
+
+/// True when the sample ended a revolution, which then stands in scan_.
+bool RplidarParser::add(const RplidarSample& sample, HostTime arrival) {
+  const HostTime time = std::exchange(sample_time_, sample_time_ + period_);
+  ++stats_.samples;
+  bool finished = false;
+  if (sample.begins_turn) {
+    finished = is_open_ && !open_.beams.empty();
+    if (finished) std::swap(open_, scan_);
+    if (finished) ++stats_.scans;
+    is_open_ = true;
+    open_.time = time;
+    open_.range_max_m = static_cast<float>(config_.max_range_m);
+    open_.beams.clear();
+  }
+  if (!is_open_) return false;
+  if (open_.beams.size() == kMaxBeams) {
+    ++stats_.too_many;
+    return finished;
+  }
+  const auto range = static_cast<double>(sample.range_m);
+  const bool inside = range >= config_.min_range_m && range <= config_.max_range_m;
+  stats_.out_of_range += !inside && sample.range_m > 0.0F ? 1 : 0;
+  constexpr float kPi = std::numbers::pi_v<float>;
+  const float angle_rad = sample.angle_rad > kPi ? 2.0F * kPi - sample.angle_rad : -sample.angle_rad;
+  open_.beams.push_back({angle_rad, inside ? sample.range_m : 0.0F, static_cast<float>(to_seconds(time - open_.time))});
+  open_.arrival = arrival;
+  return finished;
+}
+
+}  // namespace slamd
