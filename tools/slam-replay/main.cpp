@@ -35,6 +35,7 @@ replay::DriverConfigs driver_configs(const Config& config) {
   replay::DriverConfigs drivers;
   const LidarModel model = lidar_model(config.lidar.model).value_or(LidarModel::kVlp16);
   drivers.lidar = {model, {config.lidar.port, config.lidar.position_port, ports_of(model).imu}, config.lidar_decoder};
+  drivers.airy_imu.clock.min_latency = config.imu_frames.clock.min_latency;
   drivers.imu_clock.min_latency = config.imu_frames.clock.min_latency;
   drivers.imu_frames = config.imu_frames;
   drivers.nmea = config.nmea;

@@ -17,6 +17,13 @@ std::unique_ptr<ReadSource> open_capture(const std::string& path) {
   return std::make_unique<PcapReads>(std::move(capture).value());
 }
 
+/// The IMU that is built into an Airy.
+std::unique_ptr<Stream<ImuSample>> open_airy_imu(const std::string& path, const DriverConfigs& config) {
+  Result<PcapSource> capture = PcapSource::open(path.c_str());
+  if (!capture) return nullptr;
+  return std::make_unique<AiryImuStream>(std::make_unique<PortReads>(std::move(capture).value(), config.lidar.ports.imu), config.airy_imu);
+}
+
 /// name.pcap when it is there, else name.csv, else nothing.
 template <class Wire, class Table, class Item, class WireConfig, class TableConfig>
 std::unique_ptr<Stream<Item>> open(const std::string& name, const WireConfig& wire, const TableConfig& table) {
@@ -49,10 +56,13 @@ Sensors open_drive_folder(const std::string& folder, const DriverConfigs& config
   Sensors sensors;
   sensors.lidar = open_lidar_capture(folder + "/lidar.pcap", config);
   sensors.imu = open<ImuWireStream, ImuTableStream, ImuSample>(folder + "/imu", config.imu_frames, config.imu_clock);
+  if (!sensors.imu && config.lidar.model == LidarModel::kAiry) sensors.imu = open_airy_imu(folder + "/lidar.pcap", config);
   sensors.gnss = open<GnssWireStream, GpsTableStream, GnssFix>(folder + "/gps", config.nmea, config.nmea);
   if (std::filesystem::exists(folder + "/wheel.csv"))
     sensors.wheel = std::make_unique<WheelTableStream>(folder + "/wheel.csv", WheelTrackConfig::defaults());
-  if (!sensors.lidar && std::filesystem::exists(folder + "/scan.csv")) sensors.laser = std::make_unique<ScanTableStream>(folder + "/scan.csv");
+  if (std::unique_ptr<ReadSource> reads = open_capture(folder + "/rplidar.pcap"); reads && !sensors.lidar)
+    sensors.laser = std::make_unique<RplidarWireStream>(std::move(reads), config.rplidar);
+  if (!sensors.lidar && !sensors.laser && std::filesystem::exists(folder + "/scan.csv")) sensors.laser = std::make_unique<ScanTableStream>(folder + "/scan.csv");
   sensors.scan_shares = read_shares(folder + "/scan_shares.csv");
   return sensors;
 }

@@ -32,4 +32,19 @@ class PcapReads : public ReadSource {
   PcapSource pcap_;
 };
 
+/// Of a capture file, only the datagrams to one port.
+class PortReads : public PcapReads {
+ public:
+  PortReads(PcapSource pcap, std::uint16_t port) : PcapReads{std::move(pcap)}, port_{port} {}
+
+  const UdpPacket* next() override {
+    const UdpPacket* read = PcapReads::next();
+    while (read != nullptr && read->destination_port != port_) read = PcapReads::next();
+    return read;
+  }
+
+ private:
+  std::uint16_t port_;
+};
+
 }  // namespace slamd::replay

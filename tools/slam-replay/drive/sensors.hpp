@@ -10,6 +10,8 @@
 #include "drivers/io/lidar_stats.hpp"
 #include "drivers/io/sample_clock.hpp"
 #include "drivers/lidar/lidar_model.hpp"
+#include "drivers/robosense/airy_imu_parser.hpp"
+#include "drivers/rplidar/rplidar_parser.hpp"
 #include "estimator/types/gnss_fix.hpp"
 #include "estimator/types/imu_sample.hpp"
 #include "estimator/types/laser_scan.hpp"
@@ -29,6 +31,8 @@ struct LidarSetup {
 /// How the drivers read what was recorded.
 struct DriverConfigs {
   LidarSetup lidar;
+  RplidarParser::Config rplidar;
+  AiryImuParser::Config airy_imu = AiryImuParser::Config::defaults();
   SampleClock::Config imu_clock;                                           // of imu.csv
   ImuFrameParser::Config imu_frames = ImuFrameParser::Config::defaults();  // of an IMU's bytes
   NmeaParser::Config nmea = NmeaParser::Config::defaults();

@@ -37,6 +37,23 @@ void tell(const WheelParser& parser, StreamReport& report) {
       [&](const char* cause, std::uint64_t count) { report.rejections.push_back({"wheel", cause, count}); });
 }
 
+void tell(const RplidarParser& parser, StreamReport& report) {
+  report.missing = parser.gaps();
+  report.rejections.push_back({"lidar", "bad_checksum", parser.reader_stats().bad_checksum});
+  report.rejections.push_back({"lidar", "garbage_bytes", parser.reader_stats().garbage_bytes});
+  report.rejections.push_back({"lidar", "too_many_samples", parser.stats().too_many});
+}
+
+void tell(const AiryImuParser& parser, StreamReport& report) {
+  const AiryImuStats& stats = parser.stats();
+  report.missing = stats.missing;
+  report.resets = stats.resets;
+  report.clock_jumps = parser.clock().jumps();
+  report.rejections.push_back({"imu", "malformed", stats.malformed});
+  report.rejections.push_back({"imu", "repeated", stats.repeated});
+  report.rejections.push_back({"imu", "implausible_stamp", stats.implausible});
+}
+
 const LidarPacket* SpinningStream::next() {
   while (const UdpPacket* read = reads_->next()) {
     const std::uint16_t port = read->destination_port;

@@ -9,6 +9,8 @@
 #include "drivers/gnss/nmea_parser.hpp"
 #include "drivers/imu/imu_frame_parser.hpp"
 #include "drivers/lidar/spinning_lidar.hpp"
+#include "drivers/robosense/airy_imu_parser.hpp"
+#include "drivers/rplidar/rplidar_parser.hpp"
 #include "drivers/wheel/wheel_parser.hpp"
 #include "tools/slam-replay/drive/read_source.hpp"
 #include "tools/slam-replay/drive/sensors.hpp"
@@ -18,9 +20,11 @@ namespace slamd::replay {
 /// What the parsers say of themselves, as a stream says it.
 void tell(const ImuFrameParser& parser, StreamReport& report);
 void tell(const NmeaParser& parser, StreamReport& report);
+void tell(const RplidarParser& parser, StreamReport& report);
+void tell(const AiryImuParser& parser, StreamReport& report);
 void tell(const WheelParser& parser, StreamReport& report);
 
-/// A serial port. Parser: one with feed(bytes, arrival, sink) and a tell() above. Item: what it makes.
+/// A serial port, or datagrams that each are a read. Parser: one with feed(bytes, arrival, sink) and a tell() above. Item: what it makes.
 template <class Parser, class Item>
 class WireStream : public Stream<Item> {
  public:
@@ -55,6 +59,8 @@ class WireStream : public Stream<Item> {
 
 using ImuWireStream = WireStream<ImuFrameParser, ImuSample>;
 using GnssWireStream = WireStream<NmeaParser, GnssFix>;
+using RplidarWireStream = WireStream<RplidarParser, LaserScan>;
+using AiryImuStream = WireStream<AiryImuParser, ImuSample>;
 
 /// Datagrams of a spinning LiDAR.
 class SpinningStream : public Stream<LidarPacket> {

@@ -134,6 +134,8 @@ struct Simulation::Parts {
         gps{wanted.gps, trajectory, vehicle.p_base_antenna, wanted.seed},
         wheel{wanted.wheel, trajectory, wheel_clock(wanted), wanted.seed},
         injector{wanted.faults, wanted.seed} {
+    if (!spec.with_imu && spec.lidar_kind == LidarKind::kAiry)  // its own IMU is the vehicle's then
+      spec.mounting.told.T_base_imu = spec.mounting.told.T_base_lidar * airy_imu_in_lidar();
     add_packet_sensors();
     if (spec.threads <= 0) spec.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     for (const Fault& fault : spec.faults) {
