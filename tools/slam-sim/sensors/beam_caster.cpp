@@ -56,7 +56,7 @@ Echo BeamCaster::sense(const Hit& hit, const Ray& ray, double bias_m, Rng& rng) 
   const double footprint =
       std::min(0.08, 0.13 * model_.divergence_rad * hit.range * std::sqrt(1 - cosine * cosine) / cosine);
   const double own = model_.range_noise_m > 0.0 ? std::hypot(model_.range_noise_m, footprint) : 0.0;
-  const double sigma = optics_.noise_share > 0.0 ? std::hypot(own, optics_.noise_share * hit.range) : own;
+  const double sigma = own > 0.0 && optics_.noise_share > 0.0 ? std::hypot(own, optics_.noise_share * hit.range) : own;
   const double brightness =
       reflectivity > 1.0 ? 100.0 + 50.0 * reflectivity * cosine : 100.0 * reflectivity * std::sqrt(cosine);
   return {std::max(0.0, hit.range + bias_m + sigma * noise),

@@ -13,7 +13,7 @@ constexpr std::uint8_t kBoostMode = 2;
 /// Descriptor and, of a single answer, what follows it.
 Bytes told(std::uint8_t type, std::uint8_t size, bool stream, const Bytes& body = {}) {
   Bytes bytes{kBegin, 0x5A, size, 0, 0, static_cast<std::uint8_t>(stream ? 0x40 : 0), type};
-  bytes.insert(bytes.end(), body.begin(), body.end());
+  for (const std::uint8_t byte : body) bytes.push_back(byte);
   return bytes;
 }
 
@@ -42,8 +42,7 @@ Bytes RplidarDevice::take(std::span<const std::uint8_t> bytes) {
     if (command_.empty() && byte != kBegin) continue;
     command_.push_back(byte);
     if (!is_whole()) continue;
-    const Bytes reply = answer();
-    out.insert(out.end(), reply.begin(), reply.end());
+    for (const std::uint8_t told_byte : answer()) out.push_back(told_byte);
     command_.clear();
   }
   return out;
@@ -91,7 +90,7 @@ Bytes RplidarDevice::config() const {
   if (key == 0x75) value = little(0x84, 1);
   if (key == 0x71) value = little(static_cast<std::uint32_t>(format_of(firmware_).period_us) * 256U, 4);
   if (value.empty()) return {};
-  body.insert(body.end(), value.begin(), value.end());
+  for (const std::uint8_t byte : value) body.push_back(byte);
   return told(0x20, static_cast<std::uint8_t>(body.size()), false, body);
 }
 
