@@ -59,13 +59,14 @@ Result<std::unique_ptr<App>> App::open(const Config& config, const std::string& 
   Result<PosePublisher> publisher = PosePublisher::create(std::move(kept_page));
   if (!publisher) return Error{publisher.reason()};
   auto streams = std::make_unique<Streams>();
-  Result<LidarThread> lidar = LidarThread::open(config.lidar, config.lidar_decoder, *streams);
+  Result<std::unique_ptr<LidarThread>> lidar = LidarThread::open(config.lidar, config.lidar_decoder, *streams);
   if (!lidar) return Error{lidar.reason()};
 
   const std::string checkpoint = config.checkpoint.path();
   Result<StoredMap> left = checkpoint.empty() ? StoredMap{} : by_this_clock(load_checkpoint(checkpoint, config.vehicle));
   const Config running = with_what_was_learnt(config, left);
-  Result<std::unique_ptr<Recorder>> recorder = Recorder::open(record_folder, print_config(running), config.flight_recorder);
+  Result<std::unique_ptr<Recorder>> recorder = Recorder::open(record_folder, print_config(running), config.flight_recorder,
+                                                               recorded_file(config.lidar));
   if (!recorder) return Error{recorder.reason()};
 
   std::unique_ptr<App> app{
@@ -101,9 +102,10 @@ void App::resume(Result<StoredMap> map) {
 
 void App::record(std::unique_ptr<Recorder> recorder) {
   recorder_ = std::move(recorder);
-  lidar_.record_to(recorder_->lidar());
+  lidar_->record_to(recorder_->lidar());
   imu_.record_to(recorder_->imu());
   gnss_.record_to(recorder_->gnss());
+  wheel_.record_to(recorder_->wheel());
   estimator_.record_to(recorder_->limited());
   add_ring("record_lidar", [this] { return recorder_->lidar().counts(); });
   add_ring("record_imu", [this] { return recorder_->imu().counts(); });
@@ -122,7 +124,7 @@ void App::watch_recording() {
 }
 
 App::App(const Config& configured, const Config& config, const std::string& version, PosePublisher publisher,
-         std::unique_ptr<Streams> streams, LidarThread lidar)
+         std::unique_ptr<Streams> streams, std::unique_ptr<LidarThread> lidar)
     : config_{configured},
       log_{config.log},
       publisher_{std::move(publisher)},
@@ -133,6 +135,7 @@ App::App(const Config& configured, const Config& config, const std::string& vers
            PosePredictor{config.vehicle, config.odometry.dead_reckoning, config.odometry.imu}, *streams_,
            publisher_},
       gnss_{config.gnss, config.nmea, *streams_},
+      wheel_{config.wheel, *streams_},
       estimator_{config.estimator, config.vehicle, config.odometry, *streams_},
       checkpoints_{config.checkpoint, configured.vehicle},
       mapping_{make_relocaliser(config.back_end, config.vehicle), *streams_, map_, trajectory_},
@@ -143,6 +146,9 @@ App::App(const Config& configured, const Config& config, const std::string& vers
               {publisher_, map_, trajectory_, health_, config.health.allow_inject ? &streams_->faults : nullptr,
                [this](const std::string& name) {
                  return recorder_->dump(name.empty() ? "dump-" + utc_name() : name, "asked for by a client");
+               },
+               [this](const PushedOdometry& pushed) {
+                 return wheel_.push({pushed.device_us, pushed.x_m, pushed.y_m, pushed.yaw_rad}, host_now());
                }},
               version} {
   register_probes();
@@ -163,8 +169,9 @@ Result<void> App::start(UniqueFd listening) {
   start_thread({"slamd-mapping"}, mapping_);
   start_thread({"slamd-estimator", rt.estimator_priority, rt.estimator_cpu}, estimator_);
   start_thread({"slamd-gnss", rt.gnss_priority, rt.driver_cpu}, gnss_);
+  start_thread({"slamd-wheel", rt.gnss_priority, rt.driver_cpu}, wheel_);
   start_thread({"slamd-imu", rt.imu_priority, rt.driver_cpu}, imu_);
-  start_thread({"slamd-lidar", rt.lidar_priority, rt.driver_cpu}, lidar_);
+  start_thread({"slamd-lidar", rt.lidar_priority, rt.driver_cpu}, *lidar_);
   tell_refusals(std::move(refusals));
   const Result<void> served = server_.start(std::move(listening));
   if (!served) stop();
@@ -301,19 +308,26 @@ void App::register_sensors() {
       return health;
     });
   };
-  add("lidar", "udp:" + config_.lidar.bind_address + ":" + std::to_string(config_.lidar.port), config_.health.lidar,
-      [this](HostTime now) { return evidence(lidar_.report(), publisher_.newest(), now); },
-      [this] { return source_health(lidar_.report()); });
+  add("lidar", device_name(config_.lidar), config_.health.lidar,
+      [this](HostTime now) { return evidence(lidar_->report(), publisher_.newest(), now); },
+      [this] { return source_health(lidar_->report()); });
   add("imu", device_name(config_.imu.source), config_.health.imu,
       [this](HostTime) { return evidence(imu_.report(), publisher_.newest()); },
       [this] { return source_health(imu_.report()); });
   add("gnss", config_.gnss.serial.path, config_.health.gnss,
       [this](HostTime) { return evidence(gnss_.report(), mapping_.state().gnss); },
       [this] { return source_health(gnss_.report()); });
+  add_source("wheel", [this] {
+    SourceHealth health = source_health(wheel_.report());
+    health.device = config_.wheel.serial.path;
+    health.state = health.received == 0 ? "absent" : "healthy";
+    health.reason = "none";
+    return health;
+  });
 }
 
 void App::allow_faults() {
-  lidar_.allow_faults();
+  lidar_->allow_faults();
   imu_.allow_faults();
   gnss_.allow_faults();
   const auto played = [this] {

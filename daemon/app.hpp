@@ -57,7 +57,7 @@ class App {
  private:
   /// configured  as the operator said, for reloads; config  with what a checkpoint knows better
   App(const Config& configured, const Config& config, const std::string& version, PosePublisher publisher,
-      std::unique_ptr<Streams> streams, LidarThread lidar);
+      std::unique_ptr<Streams> streams, std::unique_ptr<LidarThread> lidar);
 
   template <class Part>
   void start_thread(const ThreadSchedule& schedule, Part& part);
@@ -81,9 +81,10 @@ class App {
   TrajectoryStore trajectory_;
   UniqueFd cpu_latency_;  // the limit holds as long as it is open
   std::unique_ptr<Streams> streams_;
-  LidarThread lidar_;
+  std::unique_ptr<LidarThread> lidar_;
   ImuThread imu_;
   GnssThread gnss_;
+  WheelThread wheel_;
   std::unique_ptr<Recorder> recorder_;
   EstimatorThread estimator_;
   CheckpointThread checkpoints_;

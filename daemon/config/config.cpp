@@ -22,6 +22,7 @@ ConfigFaults contradictions(const std::string& name, const Config& c) {
          "must be below planar.band_high_m");
   demand(c.lidar_decoder.min_range_m < c.lidar_decoder.max_range_m, "lidar.min_range_m", "must be below lidar.max_range_m");
   demand(lidar_model(c.lidar.model).has_value(), "lidar.model", "must be vlp16, airy or rplidar_a2");
+  demand(c.lidar.model != "rplidar_a2" || c.mode == "planar", "mode", "must be planar: an RPLIDAR measures in one plane");
   demand(c.lidar.port != c.lidar.position_port, "lidar.position_port", "must differ from lidar.port");
   demand(c.nmea.noise.sigma_min_m <= c.nmea.noise.sigma_max_m, "gnss.sigma_min_m", "must not exceed gnss.sigma_max_m");
   const ImuSourceConfig& imu = c.imu.source;

@@ -17,6 +17,7 @@
 #include "daemon/threads/log.hpp"
 #include "daemon/threads/real_time.hpp"
 #include "daemon/threads/recorder.hpp"
+#include "daemon/threads/wheel_thread.hpp"
 #include "drivers/gnss/nmea_parser.hpp"
 #include "drivers/imu/imu_frame_parser.hpp"
 #include "estimator/graph/back_end.hpp"
@@ -38,6 +39,7 @@ struct Config {
   ImuFrameParser::Config imu_frames = ImuFrameParser::Config::defaults();
   GnssThreadConfig gnss;
   NmeaParser::Config nmea = NmeaParser::Config::defaults();
+  WheelThreadConfig wheel;
   OdometryConfig odometry;
   EstimatorThreadConfig estimator;
   BackEndConfig back_end;

@@ -37,6 +37,8 @@ Fields lidar_fields(LidarThreadConfig& t, LidarDecoderConfig& d) {
        "B",
        {65536, 1 << 28},
        "asked of the kernel for each port"},
+      {"lidar.device", &t.serial.path, "", kAnyText, "of an RPLIDAR: its serial port"},
+      {"lidar.baud_rate", &t.serial.baud, "Bd", {1200, 4'000'000}, "likewise; 115200 of an A2"},
       {"lidar.latency_s", &d.clock.min_latency, "s", kLatency,
        "smallest delay from a packet's last firing to its arrival"},
       {"lidar.min_range_m", &d.min_range_m, "m", {0, 100}, "nearer returns are dropped"},
@@ -73,6 +75,14 @@ Fields gnss_fields(GnssThreadConfig& t, NmeaParser::Config& d) {
       {"gnss.sigma_max_m", &d.noise.sigma_max_m, "m", kSigma, "of a weak fix"},
       {"gnss.range_error_m", &d.noise.range_error_m, "m", kSigma, "sigma per unit of HDOP"},
       {"gnss.vertical_factor", &d.noise.vertical_factor, "", {1, 10}, "height against horizontal"},
+  };
+}
+
+Fields wheel_fields(WheelThreadConfig& c) {
+  return {
+      {"wheel.device", &c.serial.path, "", kAnyText, "tty or pty of the wheels' board (drivers/wheel/README.md); empty = there is none"},
+      {"wheel.baud_rate", &c.serial.baud, "Bd", {1200, 4'000'000}, "ignored by USB"},
+      {"wheel.latency_s", &c.track.clock.min_latency, "s", kLatency, "smallest delay from a reading to its arrival"},
   };
 }
 
@@ -245,6 +255,7 @@ Fields config_fields(Config& c) {
   append(fields, lidar_fields(c.lidar, c.lidar_decoder));
   append(fields, imu_fields(c.imu, c.imu_frames));
   append(fields, gnss_fields(c.gnss, c.nmea));
+  append(fields, wheel_fields(c.wheel));
   append(fields, odometry_fields(c.odometry));
   append(fields, estimator_thread_fields(c.estimator));
   append(fields, back_end_fields(c.back_end));

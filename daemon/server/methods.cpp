@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "daemon/server/grid_job.hpp"
@@ -47,7 +48,7 @@ struct Methods::Entry {
 };
 
 std::span<const Methods::Entry> Methods::entries() {
-  static constexpr std::array<Entry, 12> kEntries{{
+  static constexpr std::array<Entry, 13> kEntries{{
       {method::kGetPose, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.pose(params); }},
       {method::kVersion, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.version(params); }},
       {method::kGetStatus, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.tell_status(params); }},
@@ -60,6 +61,7 @@ std::span<const Methods::Entry> Methods::entries() {
       {method::kSaveMap, Right::kControl, [](Methods& self, Params& params, Subscriptions&) { return self.save_map(params); }},
       {method::kInject, Right::kControl, [](Methods& self, Params& params, Subscriptions&) { return self.inject(params); }},
       {method::kDump, Right::kControl, [](Methods& self, Params& params, Subscriptions&) { return self.dump(params); }},
+      {method::kPushOdometry, Right::kControl, [](Methods& self, Params& params, Subscriptions&) { return self.push_odometry(params); }},
   }};
   return kEntries;
 }
@@ -235,6 +237,23 @@ Methods::Handled Methods::dump(Params& params) const {
     if (!path) return RpcError{error::kWriteFailed, path.reason()};
     return Reply{{{"path", *path}}, {}};
   }};
+}
+
+Methods::Handled Methods::push_odometry(Params& params) const {
+  constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kMostMetres = 1e7, kMostRadians = 1e6, kMostCount = 4'294'967'295.0;
+  const double device_us = params.number("device_us", kAbsent, 0.0, kMostCount);
+  PushedOdometry pushed;
+  pushed.x_m = params.number("x_m", kAbsent, -kMostMetres, kMostMetres);
+  pushed.y_m = params.number("y_m", kAbsent, -kMostMetres, kMostMetres);
+  pushed.yaw_rad = params.number("yaw_rad", kAbsent, -kMostRadians, kMostRadians);
+  if (auto fault = params.fault()) return *std::move(fault);
+  if (std::isnan(device_us + pushed.x_m + pushed.y_m + pushed.yaw_rad)) {
+    return RpcError{error::kInvalidParams, "device_us, x_m, y_m and yaw_rad must be given"};
+  }
+  pushed.device_us = static_cast<std::uint32_t>(device_us);
+  if (!sources_.push_odometry || !sources_.push_odometry(pushed)) return RpcError{error::kBusy, "too many readings wait"};
+  return Reply{json::object(), {}};
 }
 
 }  // namespace slamd

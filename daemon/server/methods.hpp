@@ -68,6 +68,7 @@ class Methods {
   Handled trajectory(Params& params) const;
   Handled inject(Params& params) const;
   Handled dump(Params& params) const;
+  Handled push_odometry(Params& params) const;
 
   const ServerConfig& config_;
   ServerSources sources_;

@@ -36,6 +36,14 @@ struct ServerConfig {
   ServerLimits limits;
 };
 
+/// What a client says of the wheels: drivers/wheel's reading.
+struct PushedOdometry {
+  std::uint32_t device_us = 0;
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double yaw_rad = 0.0;
+};
+
 /// What the server reads. All must outlive it.
 struct ServerSources {
   const PosePublisher& pose;
@@ -45,6 +53,8 @@ struct ServerSources {
   FaultBoard* faults = nullptr;  // null: nothing may be injected
   /// Writes the newest raw input as a drive folder of that name (empty: one of its own) and gives its path. Any thread.
   std::function<Result<std::string>(const std::string& name)> dump{};
+  /// Takes a reading of the wheels, on the server's thread, quickly; false when it cannot.
+  std::function<bool(const PushedOdometry& pushed)> push_odometry{};
   const GridStore* grid = nullptr;  // null: not in planar mode
 };
 

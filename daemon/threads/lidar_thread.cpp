@@ -1,24 +1,19 @@
 #include "daemon/threads/lidar_thread.hpp"
 
-#include <utility>
-
-#include "daemon/server/host_clock.hpp"
-#include "daemon/threads/clock_health.hpp"
+#include "daemon/threads/rplidar_thread.hpp"
+#include "daemon/threads/spinning_lidar_thread.hpp"
 
 namespace slamd {
 namespace {
 
-constexpr Duration kStopLatency = std::chrono::milliseconds{100};
+LidarModel model_of(const LidarThreadConfig& config) { return lidar_model(config.model).value_or(LidarModel::kVlp16); }
 
 }  // namespace
 
-void LidarThread::allow_faults() {
-  constexpr WireFaultShape kShape{.delay = std::chrono::milliseconds{300}, .period = std::chrono::seconds{1},
-                                  .held_reads = 512, .read_bytes = 1248};
-  faults_ = std::make_unique<SensorFault<LidarValueFault>>(streams_.faults.lidar, kShape);
-}
-
-Result<LidarThread> LidarThread::open(const LidarThreadConfig& config, const LidarDecoderConfig& decoder, Streams& streams) {
+Result<std::unique_ptr<LidarThread>> LidarThread::open(const LidarThreadConfig& config, const LidarDecoderConfig& decoder,
+                                                       Streams& streams) {
+  const LidarModel model = model_of(config);
+  if (model == LidarModel::kRplidarA2) return std::unique_ptr<LidarThread>{std::make_unique<RplidarThread>(config, decoder, streams)};
   UdpSourceConfig source{config.bind_address, config.port, config.source_address, config.source_port,
                          config.receive_buffer_bytes};
   Result<UdpSource> packets = UdpSource::open(source);
@@ -27,66 +22,17 @@ Result<LidarThread> LidarThread::open(const LidarThreadConfig& config, const Lid
   source.source_port = config.position_source_port;
   Result<UdpSource> positions = UdpSource::open(source);
   if (!positions) return Error{positions.reason()};
-  const LidarModel model = lidar_model(config.model).value_or(LidarModel::kVlp16);
-  return LidarThread{std::move(packets).value(), std::move(positions).value(), SpinningLidar{model, decoder}, streams};
+  return std::unique_ptr<LidarThread>{std::make_unique<SpinningLidarThread>(
+      std::move(packets).value(), std::move(positions).value(), SpinningLidar{model, decoder}, streams)};
 }
 
-LidarThread::LidarThread(UdpSource packets, UdpSource positions, SpinningLidar lidar, Streams& streams)
-    : packets_{std::move(packets)},
-      positions_{std::move(positions)},
-      lidar_{std::move(lidar)},
-      streams_{streams},
-      report_{std::make_unique<LatestValue<LidarReport>>()} {}
-
-void LidarThread::run(const std::stop_token& stop) {
-  // Before the system's first reader of stamps it stamps nothing: what waits was stamped now, whenever it came.
-  packets_.drop_waiting();
-  positions_.drop_waiting();
-  while (!stop.stop_requested()) {
-    receive();
-    read_positions();
-    now_.decoder = lidar_.stats();
-    now_.side = lidar_.side_stats();
-    now_.socket = packets_.stats();
-    now_.clock = clock_health(lidar_.clock());
-    report_->store(now_);
-  }
+const char* recorded_file(const LidarThreadConfig& config) {
+  return model_of(config) == LidarModel::kRplidarA2 ? "rplidar.pcap" : "lidar.pcap";
 }
 
-void LidarThread::receive() {
-  const std::span<const UdpPacket> packets = packets_.receive(kStopLatency);
-  const auto pass = [this](const UdpPacket& packet) {
-    faults_->wire.pass(packet.payload, packet.arrival, [&](auto payload, HostTime arrival) {
-      UdpPacket passed = packet;
-      passed.payload = payload;
-      passed.arrival = arrival;
-      decode(passed);
-    });
-  };
-  if (faults_ == nullptr) {
-    for (const UdpPacket& packet : packets) decode(packet);
-    return;
-  }
-  for (const UdpPacket& packet : packets) pass(packet);
-  if (packets.empty()) pass({.payload = {}, .arrival = host_now(), .source = {}});
-}
-
-void LidarThread::decode(const UdpPacket& packet) SLAMD_NONBLOCKING {
-  if (tap_ != nullptr) tap_->take(packet);
-  now_.last_received = packet.arrival;
-  const LidarPacket* points = lidar_.points(packet.payload, packet.arrival);
-  if (points != nullptr && faults_ != nullptr) points = faults_->values.apply(*points);
-  if (points == nullptr) return;
-  ++now_.packets;
-  now_.last_arrival = points->arrival;
-  streams_.lidar.try_push(*points);
-}
-
-void LidarThread::read_positions() {
-  for (const UdpPacket& packet : positions_.receive(Duration{0})) {
-    if (tap_ != nullptr) tap_->take(packet);
-    lidar_.side(packet.payload);
-  }
+std::string device_name(const LidarThreadConfig& config) {
+  if (model_of(config) == LidarModel::kRplidarA2) return config.serial.path;
+  return "udp:" + config.bind_address + ":" + std::to_string(config.port);
 }
 
 }  // namespace slamd

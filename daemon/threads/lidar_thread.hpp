@@ -1,19 +1,18 @@
 #pragma once
-// The thread of a spinning LiDAR: datagrams of the data and the position port to decoded packets in the ring. Real-time; it makes
-// no scans and decides nothing.
+// The LiDAR's thread, whichever LiDAR it is: what the daemon tells it and hears of it. The models' own threads are
+// spinning_lidar_thread and rplidar_thread.
 
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <stop_token>
 #include <string>
 
 #include "daemon/health/health_board.hpp"
-#include "daemon/inject/sensor_fault.hpp"
 #include "daemon/ring/latest_value.hpp"
-#include "daemon/ring/nonblocking.hpp"
 #include "daemon/threads/recorder.hpp"
 #include "daemon/threads/streams.hpp"
+#include "drivers/io/lidar_stats.hpp"
+#include "drivers/io/serial_source.hpp"
 #include "drivers/io/udp_source.hpp"
 #include "drivers/lidar/spinning_lidar.hpp"
 
@@ -28,13 +27,14 @@ struct LidarThreadConfig {
   std::uint16_t source_port = 0;           // likewise unless 0: the sensor's own port of its data packets,
   std::uint16_t position_source_port = 0;  // and of its position packets
   int receive_buffer_bytes = 4 << 20;
+  SerialSourceConfig serial{.path = "/dev/slamd-rplidar", .baud = 115'200, .raise_dtr = false};  // of an RPLIDAR
 };
 
 /// What the thread has seen; totals since the start.
 struct LidarReport {
-  HostTime last_received;  // of the newest datagram; only meaningful when decoder.received > 0
-  HostTime last_arrival;   // of the newest accepted packet; only meaningful when packets > 0
-  std::uint64_t packets = 0;  // handed on
+  HostTime last_received;  // of the newest datagram or bytes; only meaningful when decoder.received > 0
+  HostTime last_arrival;   // of the newest packet or scan handed on; only meaningful when packets > 0
+  std::uint64_t packets = 0;  // handed on; scans of a LiDAR in one plane
   LidarStats decoder;
   UdpStats socket;
   LidarSideStats side;  // of the position port
@@ -43,34 +43,35 @@ struct LidarReport {
 
 class LidarThread {
  public:
-  /// Binds both ports; fails with the step that failed. config.model is one that spins; streams must outlive the thread.
-  [[nodiscard]] static Result<LidarThread> open(const LidarThreadConfig& config, const LidarDecoderConfig& decoder,
-                                                Streams& streams);
+  /// For the configured model: binds its ports, or knows its serial port, which may be absent. Fails with the step that failed.
+  /// streams must outlive the thread.
+  [[nodiscard]] static Result<std::unique_ptr<LidarThread>> open(const LidarThreadConfig& config, const LidarDecoderConfig& decoder,
+                                                                 Streams& streams);
+  virtual ~LidarThread() = default;
 
-  /// Before run(): every datagram goes to `tap` as well, which must outlive the thread.
+  /// Before run(): everything read goes to `tap` as well, which must outlive the thread.
   void record_to(WireTap& tap) { tap_ = &tap; }
-  /// Before run(): failures may be played on this sensor's data packets.
-  void allow_faults();
+  /// Before run(): failures may be played on this sensor's data, where its thread can play them.
+  virtual void allow_faults() {}
   /// The thread's body: returns within a tenth of a second after a stop request.
-  void run(const std::stop_token& stop);
+  virtual void run(const std::stop_token& stop) = 0;
 
   /// Any thread.
-  LidarReport report() const { return report_->load().value_or(LidarReport{}); }
+  LidarReport report() const { return report_.load().value_or(LidarReport{}); }
+
+ protected:
+  void tell() { report_.store(now_); }
+
+  WireTap* tap_ = nullptr;
+  LidarReport now_;
 
  private:
-  LidarThread(UdpSource packets, UdpSource positions, SpinningLidar lidar, Streams& streams);
-  void receive();
-  void decode(const UdpPacket& packet) SLAMD_NONBLOCKING;
-  void read_positions();
-
-  UdpSource packets_;
-  UdpSource positions_;
-  SpinningLidar lidar_;
-  Streams& streams_;
-  WireTap* tap_ = nullptr;
-  std::unique_ptr<SensorFault<LidarValueFault>> faults_;  // null: none may be played
-  LidarReport now_;
-  std::unique_ptr<LatestValue<LidarReport>> report_;
+  LatestValue<LidarReport> report_;
 };
+
+/// Name of the file of a recording that its bytes go to: those of a serial port are told from datagrams by it.
+const char* recorded_file(const LidarThreadConfig& config);
+/// For people: "udp:0.0.0.0:2368", "/dev/slamd-rplidar".
+std::string device_name(const LidarThreadConfig& config);
 
 }  // namespace slamd

@@ -53,16 +53,17 @@ std::string FlightRecorderConfig::dump_folder() const {
   return state.empty() ? state : state + "/dumps";
 }
 
-Recorder::Recorder(const std::string& config_yaml, const FlightRecorderConfig& flight)
+Recorder::Recorder(const std::string& config_yaml, const FlightRecorderConfig& flight, const char* lidar_file)
     : config_yaml_{config_yaml},
       flight_{flight},
-      lidar_{"lidar.pcap", WireTap{4096}, FlightRing{flight.span, flight.byte_budget - flight.byte_budget / 16}, {}},  // tap: 5 s
+      lidar_{lidar_file, WireTap{4096}, FlightRing{flight.span, flight.byte_budget - 3 * (flight.byte_budget / 32)}, {}},  // tap: 5 s
       imu_{"imu.pcap", WireTap{2048}, FlightRing{flight.span, flight.byte_budget / 32}, {}},                           // 10 s
-      gnss_{"gps.pcap", WireTap{512}, FlightRing{flight.span, flight.byte_budget / 32}, {}} {}
+      gnss_{"gps.pcap", WireTap{512}, FlightRing{flight.span, flight.byte_budget / 32}, {}},
+      wheel_{"wheel.pcap", WireTap{256}, FlightRing{flight.span, flight.byte_budget / 32}, {}} {}
 
 Result<std::unique_ptr<Recorder>> Recorder::open(const std::string& folder, const std::string& config_yaml,
-                                                 const FlightRecorderConfig& flight) {
-  std::unique_ptr<Recorder> recorder{new Recorder{config_yaml, flight}};
+                                                 const FlightRecorderConfig& flight, const char* lidar_file) {
+  std::unique_ptr<Recorder> recorder{new Recorder{config_yaml, flight, lidar_file}};
   const Result<void> recording = folder.empty() ? Result<void>{} : recorder->record_to(folder);
   if (!recording) return Error{recording.reason()};
   return recorder;
@@ -168,7 +169,8 @@ Result<std::string> Recorder::write_dump(const Request& request, bool draining) 
 
 /// draining: on the recorder's thread, whose rings must not overflow while the disk works.
 Result<void> Recorder::write_wires(const std::string& folder, const std::string& reason, bool draining) {
-  const std::array<FlightRing::Snapshot, 3> kept{lidar_.kept.snapshot(), imu_.kept.snapshot(), gnss_.kept.snapshot()};
+  const std::array<FlightRing::Snapshot, 4> kept{lidar_.kept.snapshot(), imu_.kept.snapshot(), gnss_.kept.snapshot(),
+                                                 wheel_.kept.snapshot()};
   for (std::size_t i = 0; i < kept.size(); ++i) {
     Result<PcapSink> opened = PcapSink::open((folder + '/' + wires()[i]->file_name).c_str());
     if (!opened) return Error{"the files of the dump cannot be made"};
@@ -192,6 +194,6 @@ Result<void> Recorder::write_wires(const std::string& folder, const std::string&
   return {};
 }
 
-std::size_t Recorder::kept_bytes() const { return lidar_.kept.bytes() + imu_.kept.bytes() + gnss_.kept.bytes(); }
+std::size_t Recorder::kept_bytes() const { return lidar_.kept.bytes() + imu_.kept.bytes() + gnss_.kept.bytes() + wheel_.kept.bytes(); }
 
 }  // namespace slamd

@@ -68,7 +68,7 @@ struct FlightRecorderConfig {
   std::string dump_folder() const;
 };
 
-/// Files: lidar.pcap (both ports), imu.pcap and gps.pcap (each read of the serial port a datagram without ports),
+/// Files: lidar.pcap (both ports; of an RPLIDAR rplidar.pcap), imu.pcap, gps.pcap and wheel.pcap (each read of the serial port a datagram without ports),
 /// scan_shares.csv (the scans for which the estimator had too little time), slamd.yaml (the configuration that was in force);
 /// of a dump also dump.json (why).
 class Recorder {
@@ -76,11 +76,13 @@ class Recorder {
   /// Keeps the newest reads in memory. With a folder all reads go there as well: it and its files are made; fails when there is
   /// a recording already or a file cannot be made.
   [[nodiscard]] static Result<std::unique_ptr<Recorder>> open(const std::string& folder, const std::string& config_yaml,
-                                                              const FlightRecorderConfig& flight = {});
+                                                              const FlightRecorderConfig& flight = {},
+                                                              const char* lidar_file = "lidar.pcap");
 
   WireTap& lidar() { return lidar_.tap; }
   WireTap& imu() { return imu_.tap; }
   WireTap& gnss() { return gnss_.tap; }
+  WireTap& wheel() { return wheel_.tap; }
   /// For the estimator's thread.
   SpscRing<LimitedScan>& limited() { return limited_; }
 
@@ -113,8 +115,8 @@ class Recorder {
     std::string name, reason;
   };
 
-  Recorder(const std::string& config_yaml, const FlightRecorderConfig& flight);
-  std::array<Wire*, 3> wires() { return {&lidar_, &imu_, &gnss_}; }
+  Recorder(const std::string& config_yaml, const FlightRecorderConfig& flight, const char* lidar_file);
+  std::array<Wire*, 4> wires() { return {&lidar_, &imu_, &gnss_, &wheel_}; }
   Result<void> record_to(const std::string& folder);
   void drain();
   bool drain(Wire& wire);
@@ -128,6 +130,7 @@ class Recorder {
   Wire lidar_;
   Wire imu_;
   Wire gnss_;
+  Wire wheel_;
   SpscRing<LimitedScan> limited_{256};
   std::optional<std::ofstream> shares_;    // none: not recorded from the start on
   std::vector<LimitedScan> kept_shares_;   // with the mutex: of the span

@@ -91,6 +91,21 @@ SourceHealth source_health(const GnssReport& report) {
   return health;
 }
 
+SourceHealth source_health(const WheelReport& report) {
+  SourceHealth health;
+  health.last_arrival = report.last_arrival;
+  health.received = report.odometries;
+  add_rejected(health, "bad_checksum", report.lines.bad_checksum);
+  add_rejected(health, "no_checksum", report.lines.no_checksum);
+  add_rejected(health, "broken", report.lines.broken);
+  add_rejected(health, "too_long", report.lines.too_long);
+  add_rejected(health, "other", report.parser.other);
+  add_rejected(health, "malformed", report.parser.malformed);
+  report.track.rejections.for_each([&](const char* cause, std::uint64_t count) { add_rejected(health, cause, count); });
+  health.events = {{"restarts", report.track.restarts}, {"pushed", report.pushed}, {"unplugged", report.serial.losses}};
+  return health;
+}
+
 SensorEvidence evidence(const LidarReport& report, const std::optional<PoseSample>& pose, HostTime now) {
   SensorEvidence told;
   told.heard = instant(report.decoder.received > 0, report.last_received);

@@ -10,6 +10,7 @@
 #include "daemon/threads/gnss_thread.hpp"
 #include "daemon/threads/imu_thread.hpp"
 #include "daemon/threads/lidar_thread.hpp"
+#include "daemon/threads/wheel_thread.hpp"
 
 namespace slamd {
 
@@ -17,6 +18,7 @@ namespace slamd {
 SourceHealth source_health(const LidarReport& report);
 SourceHealth source_health(const ImuReport& report);
 SourceHealth source_health(const GnssReport& report);
+SourceHealth source_health(const WheelReport& report);
 
 /// What the monitor judges. pose  the newest one; gnss  the back end's word on the receiver, none when it uses none.
 SensorEvidence evidence(const LidarReport& report, const std::optional<PoseSample>& pose, HostTime now);

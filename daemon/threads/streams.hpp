@@ -15,7 +15,9 @@
 #include "estimator/types/gnss_fix.hpp"
 #include "estimator/types/imu_sample.hpp"
 #include "estimator/types/keyframe.hpp"
+#include "estimator/types/laser_scan.hpp"
 #include "estimator/types/lidar_packet.hpp"
+#include "estimator/types/wheel_odometry.hpp"
 
 namespace slamd {
 
@@ -31,6 +33,8 @@ struct Streams {
   SpscRing<LidarPacket> lidar{512};   // lidar thread -> estimator; 0.7 s of single-return packets
   SpscRing<ImuSample> imu{1024};      // imu thread -> estimator; 5 s
   SpscRing<GnssFix> gnss{64};         // gnss thread -> estimator
+  SpscRing<WheelOdometry> wheel{512}; // wheel thread -> estimator; 5 s at 100 Hz
+  SpscRing<LaserScan> laser{8};       // thread of a 2D LiDAR -> estimator
   TripleBuffer<Posterior> posterior;  // estimator -> imu thread
   TripleBuffer<MapLink> map_link;     // mapping -> imu thread; nothing before the first correction
   SpscRing<Keyframe> keyframes{16, [](Keyframe& slot) { slot.points.reserve(kMaxKeyframePoints); }};  // -> mapping

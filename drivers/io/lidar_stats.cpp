@@ -26,6 +26,7 @@ constexpr std::array<CauseText, static_cast<std::size_t>(LidarRejection::kCount)
     {"azimuth_range", "a block's azimuth is 360 degrees or more"},
     {"stamp_range", "the time stamp is none"},
     {"pair_mismatch", "blocks of the same firings have different azimuths"},
+    {"checksum", "the checksum of a packet is wrong"},
     {"no_angles", "the sensor has not told the directions of its beams yet: check lidar.position_port"},
     {"stopped", "the sensor turns slower than allowed, or stands"},
     {"too_fast", "the sensor turns faster than allowed"},

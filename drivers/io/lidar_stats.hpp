@@ -29,6 +29,7 @@ enum class LidarRejection : std::uint8_t {
   kAzimuthRange,
   kStampRange,
   kPairMismatch,  // blocks of the same firings name different azimuths
+  kChecksum,
 
   kNoAngles,     // the sensor has not told the directions of its beams yet
   kStopped,      // the azimuth does not advance, or slower than the slowest allowed rotation

@@ -105,6 +105,8 @@ bool SerialSource::open() {
   boost::system::error_code error;
   port_->port.open(config_.path, error);
   if (!error && configure(port_->port, config_.baud)) {
+    const int dtr = TIOCM_DTR;
+    if (!config_.raise_dtr) ::ioctl(port_->port.native_handle(), TIOCMBIC, &dtr);  // pseudo terminals have no such line
     tcflush(port_->port.native_handle(), TCIFLUSH);
     ++stats_.openings;
     reopen_.succeeded();

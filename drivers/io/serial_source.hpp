@@ -16,6 +16,7 @@ namespace slamd {
 struct SerialSourceConfig {
   std::string path;             // stable: /dev/serial/by-id/...; a symlink is followed anew at every opening
   std::uint32_t baud = 115200;  // no meaning for USB CDC and ptys
+  bool raise_dtr = true;  // when it is opened; on some devices the line switches a motor off
   ReopenConfig reopen{};
 };
 

@@ -19,7 +19,9 @@ struct WheelParserStats {
 /// One thread uses an instance; no allocation.
 class WheelParser {
  public:
-  explicit WheelParser(const WheelTrackConfig& config = WheelTrackConfig::defaults()) : track_{config} {}
+  using Config = WheelTrackConfig;
+
+  explicit WheelParser(const Config& config = Config::defaults()) : track_{config} {}
 
   /// Takes the bytes of one read, any split of the stream. Calls sink(const WheelOdometry&) for each reading that is
   /// believed, in order.

@@ -70,10 +70,6 @@ void ScanAssembler::append(const LidarPacket& packet) {
   open_.arrival = packet.arrival;
   const std::int64_t begin_to_packet_ns = (packet.time - open_.begin).count();
   for (std::size_t i = 0; i < packet.point_count; ++i) {
-    if (open_.points.size() == open_.points.capacity()) {
-      points_dropped_ += packet.point_count - i;
-      return;
-    }
     LidarPoint point = packet.points[i];
     if (!is_finite(point)) {
       ++points_dropped_;
@@ -81,7 +77,11 @@ void ScanAssembler::append(const LidarPacket& packet) {
     }
     point.time_offset_ns += static_cast<std::int32_t>(begin_to_packet_ns);
     segmenter_.add(point, static_cast<float>(point.time_offset_ns) * 1e-9F, open_.segments);
-    open_.points.push_back(point);
+    if (open_.points.size() < open_.points.capacity()) {
+      open_.points.push_back(point);
+    } else {
+      ++points_dropped_;  // of the cloud; its segment has it all the same, so that no sector is blind
+    }
   }
 }
 

@@ -36,6 +36,19 @@ TEST(Config, TheShippedFileIsTheDocumentationOfTheDefaults) {
   EXPECT_EQ(read_file(SLAMD_SOURCE_DIR "/config/slamd.yaml"), default_text());
 }
 
+TEST(Config, FilesOfOtherLidarsLoadAndNameTheirModel) {
+  const auto airy = load_config(SLAMD_SOURCE_DIR "/config/airy.yaml");
+  EXPECT_EQ(airy.faults, ConfigFaults{});
+  EXPECT_EQ(airy.value.lidar.model, "airy");
+  EXPECT_EQ(airy.value.lidar.port, ports_of(LidarModel::kAiry).points);
+  EXPECT_EQ(airy.value.lidar.position_port, ports_of(LidarModel::kAiry).side);
+  const auto rplidar = load_config(SLAMD_SOURCE_DIR "/config/rplidar_a2.yaml");
+  EXPECT_EQ(rplidar.faults, ConfigFaults{});
+  EXPECT_EQ(rplidar.value.lidar.model, "rplidar_a2");
+  EXPECT_FALSE(load_config("", {"lidar.model=hdl64"}).faults.empty());
+  EXPECT_FALSE(load_config("", {"lidar.model=rplidar_a2"}).faults.empty());
+}
+
 TEST(Config, TheShippedFileReadsBackToTheDefaults) {
   const auto loaded = load_config(SLAMD_SOURCE_DIR "/config/slamd.yaml");
   EXPECT_EQ(loaded.faults, ConfigFaults{});

@@ -50,7 +50,9 @@ AiryChecked check_airy(ReturnMode mode) {
   DriveSpec spec = parking(LidarKind::kAiry, 1.2);
   spec.lidar.mode = mode;
   Simulation simulation{spec};
-  SpinningLidar driver{LidarModel::kAiry, {.min_range_m = 0.2}};
+  LidarDecoderConfig near;
+  near.min_range_m = 0.2;
+  SpinningLidar driver{slamd::LidarModel::kAiry, near};
   AiryChecked checked;
   std::array<bool, 128> seen{};
   while (!simulation.done()) {

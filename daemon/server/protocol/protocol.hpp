@@ -38,6 +38,7 @@ inline constexpr const char* kGetTrajectory = "get_trajectory";
 inline constexpr const char* kSaveMap = "save_map";
 inline constexpr const char* kInject = "inject";
 inline constexpr const char* kDump = "dump";
+inline constexpr const char* kPushOdometry = "push_odometry";
 }  // namespace method
 
 /// Methods of the notifications that the daemon sends.

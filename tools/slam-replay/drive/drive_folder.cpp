@@ -58,7 +58,9 @@ Sensors open_drive_folder(const std::string& folder, const DriverConfigs& config
   sensors.imu = open<ImuWireStream, ImuTableStream, ImuSample>(folder + "/imu", config.imu_frames, config.imu_clock);
   if (!sensors.imu && config.lidar.model == LidarModel::kAiry) sensors.imu = open_airy_imu(folder + "/lidar.pcap", config);
   sensors.gnss = open<GnssWireStream, GpsTableStream, GnssFix>(folder + "/gps", config.nmea, config.nmea);
-  if (std::filesystem::exists(folder + "/wheel.csv"))
+  if (std::unique_ptr<ReadSource> reads = open_capture(folder + "/wheel.pcap"))
+    sensors.wheel = std::make_unique<WheelWireStream>(std::move(reads), WheelTrackConfig::defaults());
+  if (!sensors.wheel && std::filesystem::exists(folder + "/wheel.csv"))
     sensors.wheel = std::make_unique<WheelTableStream>(folder + "/wheel.csv", WheelTrackConfig::defaults());
   if (std::unique_ptr<ReadSource> reads = open_capture(folder + "/rplidar.pcap"); reads && !sensors.lidar)
     sensors.laser = std::make_unique<RplidarWireStream>(std::move(reads), config.rplidar);

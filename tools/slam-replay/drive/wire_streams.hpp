@@ -59,6 +59,7 @@ class WireStream : public Stream<Item> {
 
 using ImuWireStream = WireStream<ImuFrameParser, ImuSample>;
 using GnssWireStream = WireStream<NmeaParser, GnssFix>;
+using WheelWireStream = WireStream<WheelParser, WheelOdometry>;
 using RplidarWireStream = WireStream<RplidarParser, LaserScan>;
 using AiryImuStream = WireStream<AiryImuParser, ImuSample>;
 
