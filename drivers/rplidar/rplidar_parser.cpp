@@ -11,6 +11,8 @@ using std::chrono::microseconds;
 constexpr Duration kLongestPeriod = microseconds{2'000};
 constexpr Duration kShortestPeriod = microseconds{30};
 
+bool is_period(Duration period) { return period >= kShortestPeriod && period <= kLongestPeriod; }
+
 std::size_t samples_of(RplidarAnswer answer) {
   if (answer == RplidarAnswer::kBoost) return 96;
   return answer == RplidarAnswer::kExpress ? 32 : kRplidarNodesTogether;
@@ -36,23 +38,33 @@ void RplidarParser::restart() {
   unpacker_.restart();
   clock_.reset();
   told_period_.reset();
+  rates_.reset();
   is_open_ = false;
 }
 
 /// Answers that say how fast the sensor samples, and begins of streams.
 void RplidarParser::note(const RplidarPacket& packet) {
   if (packet.bytes.empty()) return begin_stream(packet.answer);
+  if (packet.answer == RplidarAnswer::kSampleRate) rates_ = parse_rplidar_sample_rate(packet.bytes);
   if (packet.answer != RplidarAnswer::kConfig) return;
   const std::optional<RplidarConfigValue> entry = parse_rplidar_config(packet.bytes);
   if (!entry || entry->key != RplidarConfigKey::kSamplePeriod) return;
   const Duration period{std::int64_t{entry->value} * 1'000 / 256};
-  if (period >= kShortestPeriod && period <= kLongestPeriod) told_period_ = period;
+  if (is_period(period)) told_period_ = period;
+}
+
+/// What the sensor says where it says something believable.
+Duration RplidarParser::period_of(RplidarAnswer answer) const {
+  if (answer != RplidarAnswer::kScan && told_period_) return *told_period_;
+  if (!rates_ || answer == RplidarAnswer::kBoost) return usual_period(answer);
+  const Duration period = microseconds{answer == RplidarAnswer::kScan ? rates_->standard_us : rates_->express_us};
+  return is_period(period) ? period : usual_period(answer);
 }
 
 void RplidarParser::begin_stream(RplidarAnswer answer) {
   unpacker_.restart();
   is_open_ = false;
-  period_ = answer == RplidarAnswer::kScan ? usual_period(answer) : told_period_.value_or(usual_period(answer));
+  period_ = period_of(answer);
   SampleClock::Config clock;
   clock.nominal_period = static_cast<std::int64_t>(samples_of(answer)) * period_;
   const double wire_s = 10.0 * static_cast<double>(bytes_of(answer)) / config_.baud;

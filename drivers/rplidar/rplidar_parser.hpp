@@ -71,13 +71,15 @@ class RplidarParser {
  private:
   void note(const RplidarPacket& packet);
   void begin_stream(RplidarAnswer answer);
+  Duration period_of(RplidarAnswer answer) const;
   std::span<const RplidarSample> timed(const RplidarPacket& packet, HostTime arrival);
   bool add(const RplidarSample& sample, HostTime arrival);
 
   Config config_;
   RplidarReader reader_;
   RplidarUnpacker unpacker_;
-  std::optional<Duration> told_period_;  // of a sample, by the sensor, for the next stream
+  std::optional<Duration> told_period_;     // of a sample, by the sensor, in its typical mode
+  std::optional<RplidarSampleRate> rates_;  // likewise of the older modes
   Duration period_{};
   std::optional<SampleClock> clock_;
   HostTime packet_end_;   // of the newest packet's last sample

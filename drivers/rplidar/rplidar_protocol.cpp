@@ -91,6 +91,13 @@ std::optional<RplidarHealth> parse_rplidar_health(std::span<const std::uint8_t> 
   return static_cast<RplidarHealth>(answer[0]);
 }
 
+std::optional<RplidarSampleRate> parse_rplidar_sample_rate(std::span<const std::uint8_t> answer) {
+  if (answer.size() != 4) return std::nullopt;
+  ByteReader reader{answer};
+  const std::uint16_t standard_us = reader.u16_le();
+  return RplidarSampleRate{standard_us, reader.u16_le()};
+}
+
 std::optional<RplidarConfigValue> parse_rplidar_config(std::span<const std::uint8_t> answer) {
   if (answer.size() < 5) return std::nullopt;
   ByteReader reader{answer};

@@ -82,6 +82,13 @@ enum class RplidarHealth : std::uint8_t { kGood = 0, kWarning = 1, kError = 2 };
 /// Nothing for an answer of another length or an unknown state.
 std::optional<RplidarHealth> parse_rplidar_health(std::span<const std::uint8_t> answer);
 
+/// From one sample to the next.
+struct RplidarSampleRate {
+  std::uint16_t standard_us = 0;
+  std::uint16_t express_us = 0;
+};
+std::optional<RplidarSampleRate> parse_rplidar_sample_rate(std::span<const std::uint8_t> answer);
+
 /// An entry of the configuration: which one, and its value as far as it is a number.
 struct RplidarConfigValue {
   RplidarConfigKey key;

@@ -30,6 +30,7 @@ std::optional<RplidarRequest> RplidarSession::request() const {
     case Step::kInfo: return rplidar_request(RplidarCommand::kGetInfo);
     case Step::kHealth: return rplidar_request(RplidarCommand::kGetHealth);
     case Step::kReset: return rplidar_request(RplidarCommand::kReset);
+    case Step::kRate: return rplidar_request(RplidarCommand::kGetSampleRate);
     case Step::kMode: return rplidar_config_request(RplidarConfigKey::kTypicalMode);
     case Step::kModeAnswer: return rplidar_config_request(RplidarConfigKey::kModeAnswer, mode_);
     case Step::kModePeriod: return rplidar_config_request(RplidarConfigKey::kSamplePeriod, mode_);
@@ -65,8 +66,9 @@ void RplidarSession::time_out() {
     default: break;
   }
   ++stats_.timeouts;
+  if (step_ == Step::kRate) return enter(Step::kMode);  // firmware before 1.17 does not know the question,
   const bool is_about_modes = step_ == Step::kMode || step_ == Step::kModeAnswer || step_ == Step::kModePeriod;
-  if (is_about_modes) return enter(Step::kMotor);  // firmware before 1.24 does not know the question
+  if (is_about_modes) return enter(Step::kMotor);  // nor that before 1.24 this one
   if (step_ == Step::kScan && way_ != Way::kStandard) {
     way_ = way_ == Way::kTypical ? Way::kExpress : Way::kStandard;
     return enter(Step::kScan);
@@ -96,7 +98,9 @@ void RplidarSession::take(const RplidarPacket& packet, HostTime now) {
     enter(Step::kHealth);
   } else if (packet.answer == RplidarAnswer::kHealth && step_ == Step::kHealth) {
     health_ = parse_rplidar_health(packet.bytes);
-    if (health_) enter(*health_ == RplidarHealth::kError ? Step::kReset : Step::kMode);
+    if (health_) enter(*health_ == RplidarHealth::kError ? Step::kReset : Step::kRate);
+  } else if (packet.answer == RplidarAnswer::kSampleRate && step_ == Step::kRate) {
+    enter(Step::kMode);
   } else if (packet.answer == RplidarAnswer::kConfig) {
     take_config(packet);
   }

@@ -33,7 +33,7 @@ struct RplidarSessionStats {
 /// One thread uses an instance; no allocation.
 class RplidarSession {
  public:
-  enum class Step : std::uint8_t { kStop, kInfo, kHealth, kReset, kMode, kModeAnswer, kModePeriod, kMotor, kScan, kRunning, kPause };
+  enum class Step : std::uint8_t { kStop, kInfo, kHealth, kReset, kRate, kMode, kModeAnswer, kModePeriod, kMotor, kScan, kRunning, kPause };
 
   explicit RplidarSession(const RplidarSessionConfig& config = {}) : config_{config} {}
 

@@ -14,7 +14,8 @@ constexpr std::size_t kCabinsFrom = 4;  // of a capsule: two bytes of checksum, 
 constexpr std::size_t kExpressCabins = 16;
 constexpr std::size_t kBoostCabins = 32;
 constexpr float kLeastTurn_deg = 5.0F;  // in one capsule: 5 to 15 revolutions a second are 14 to 65 degrees, with a margin
-constexpr float kMostTurn_deg = 90.0F;
+constexpr float kMostTurn_deg = 72.0F;
+constexpr float kEvenTurn = 0.25F;     // a capsule turns like the one before it, less or more by this share
 constexpr float kBaseline_mm = 24.01F;  // between emitter and lens
 constexpr float kMostOffset_deg = 8.0F;
 constexpr float kNearOffset_deg = 7.5F;
@@ -61,6 +62,8 @@ RplidarScaled rplidar_unscale(std::uint32_t scaled) {
 void RplidarUnpacker::restart() {
   count_ = 0;
   last_size_ = 0;
+  turn_deg_ = 0.0F;
+  last_raw_deg_ = 0.0F;
 }
 
 std::optional<RplidarSamples> RplidarUnpacker::take(const RplidarPacket& packet) {
@@ -79,29 +82,39 @@ std::optional<RplidarSamples> RplidarUnpacker::take_node(std::span<const std::ui
   return RplidarSamples{std::span{samples_}.first(kRplidarNodesTogether), false};
 }
 
+/// Whether the capsule is the very next one. A turn that is too large may hide a missing capsule, one that is too small hides nothing: the
+/// expectation was wrong.
+bool RplidarUnpacker::follows(float turned_deg) {
+  if (turned_deg < kLeastTurn_deg || turned_deg > kMostTurn_deg) return false;
+  const bool even = turn_deg_ == 0.0F || std::abs(turned_deg - turn_deg_) <= kEvenTurn * turn_deg_;
+  if (even || turned_deg < turn_deg_) turn_deg_ = turned_deg;
+  return even;
+}
+
 std::optional<RplidarSamples> RplidarUnpacker::take_capsule(const RplidarPacket& packet) {
   const bool has_last = last_size_ == packet.bytes.size();
   const float begin_deg = has_last ? begin_of(last_) : 0.0F;
   const float turned_deg = std::fmod(begin_of(packet.bytes) - begin_deg + 360.0F, 360.0F);
-  const bool follows = has_last && turned_deg >= kLeastTurn_deg && turned_deg <= kMostTurn_deg;
+  const bool is_next = has_last && follows(turned_deg);
   const bool is_boost = packet.answer == RplidarAnswer::kBoost;
   const std::size_t count = is_boost ? 3 * kBoostCabins : 2 * kExpressCabins;
-  gaps_ += has_last && !follows ? 1 : 0;
-  if (follows) {
+  gaps_ += has_last && !is_next ? 1 : 0;
+  if (is_next) {
     const float step_deg = turned_deg / static_cast<float>(count);
     is_boost ? unpack_boost(begin_deg, step_deg, packet.bytes) : unpack_express(begin_deg, step_deg);
   }
   std::copy(packet.bytes.begin(), packet.bytes.end(), last_.begin());
   last_size_ = packet.bytes.size();
-  if (!follows) return std::nullopt;
+  if (!is_next) return std::nullopt;
   return RplidarSamples{std::span{samples_}.first(count), true};
 }
 
-void RplidarUnpacker::put(std::size_t at, float raw_deg, float step_deg, float offset_deg, float range_mm) {
+void RplidarUnpacker::put(std::size_t at, float raw_deg, float offset_deg, float range_mm) {
   const float turned_deg = std::fmod(raw_deg, 360.0F);
   const float angle_deg = std::fmod(turned_deg - offset_deg + 360.0F, 360.0F);
   samples_[at] = {std::min(angle_deg * kRadPerDeg, std::nextafter(2.0F * std::numbers::pi_v<float>, 0.0F)), range_mm * 1e-3F,
-                  static_cast<std::uint8_t>(range_mm > 0.0F ? 47 : 0), turned_deg < step_deg};
+                  static_cast<std::uint8_t>(range_mm > 0.0F ? 47 : 0), turned_deg < last_raw_deg_};
+  last_raw_deg_ = turned_deg;
 }
 
 /// Two ranges of 14 bits (millimetres) and two offsets of 6 (eighths of a degree) in each cabin of five bytes.
@@ -113,7 +126,7 @@ void RplidarUnpacker::unpack_express(float begin_deg, float step_deg) {
     for (std::size_t half = 0; half < 2; ++half) {
       const unsigned offset_8th = ((low >> (4 * half)) & 0xFU) | ((words[half] & 3U) << 4U);
       const std::size_t at = 2 * cabin + half;
-      put(at, begin_deg + step_deg * static_cast<float>(at), step_deg, static_cast<float>(offset_8th) / 8.0F,
+      put(at, begin_deg + step_deg * static_cast<float>(at), static_cast<float>(offset_8th) / 8.0F,
           static_cast<float>(words[half] >> 2U));
     }
   }
@@ -132,7 +145,7 @@ void RplidarUnpacker::unpack_boost(float begin_deg, float step_deg, std::span<co
                                          near(difference(word, 22), following)};
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t at = 3 * cabin + i;
-      put(at, begin_deg + step_deg * static_cast<float>(at), step_deg, rplidar_offset_deg(ranges_mm[i]), ranges_mm[i]);
+      put(at, begin_deg + step_deg * static_cast<float>(at), rplidar_offset_deg(ranges_mm[i]), ranges_mm[i]);
     }
   }
 }

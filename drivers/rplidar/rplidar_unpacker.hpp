@@ -40,14 +40,17 @@ class RplidarUnpacker {
  private:
   std::optional<RplidarSamples> take_node(std::span<const std::uint8_t> bytes);
   std::optional<RplidarSamples> take_capsule(const RplidarPacket& packet);
+  bool follows(float turned_deg);
   void unpack_express(float begin_deg, float step_deg);
   void unpack_boost(float begin_deg, float step_deg, std::span<const std::uint8_t> next);
-  void put(std::size_t at, float raw_deg, float step_deg, float offset_deg, float range_mm);
+  void put(std::size_t at, float raw_deg, float offset_deg, float range_mm);
 
   std::array<RplidarSample, kRplidarMostSamples> samples_{};
   std::size_t count_ = 0;                               // of nodes that wait
   std::array<std::uint8_t, kRplidarBoostBytes> last_{};  // capsule
   std::size_t last_size_ = 0;                           // 0: none
+  float turn_deg_ = 0.0F;      // of a capsule, as expected; 0: not known
+  float last_raw_deg_ = 0.0F;  // where the head stood at the newest sample
   std::uint64_t gaps_ = 0;
 };
 

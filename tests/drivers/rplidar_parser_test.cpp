@@ -157,6 +157,8 @@ TEST(RplidarSession, AsksInOrderAndScans) {
   session.take({RplidarAnswer::kInfo, Bytes(20)}, now);
   EXPECT_EQ(asked(session, now), 0x52);
   session.take({RplidarAnswer::kHealth, Bytes{0, 0, 0}}, now);
+  EXPECT_EQ(asked(session, now), 0x59);
+  session.take({RplidarAnswer::kSampleRate, Bytes{0xF4, 1, 0xFA, 0}}, now);
   EXPECT_EQ(asked(session, now), 0x84);
   session.take({RplidarAnswer::kConfig, Bytes{0x7C, 0, 0, 0, 2, 0}}, now);
   EXPECT_EQ(asked(session, now), 0x84);

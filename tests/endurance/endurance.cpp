@@ -137,10 +137,10 @@ int run(const std::string& folder, double hours, const std::vector<std::string>&
     return 2;
   }
   config.value.vehicle = vehicle.value.geometry;
-  config.value.vlp16.vertical_offsets = vehicle.value.lidar_vertical_offsets;
+  config.value.lidar_decoder.vertical_offsets = vehicle.value.lidar_vertical_offsets;
   const Feeder feeder{folder, *plan, from_seconds(3600.0 * hours)};
   replay::DriverConfigs wires;
-  wires.vlp16 = config.value.vlp16;
+  wires.lidar.decoder = config.value.lidar_decoder;
   wires.imu_frames = config.value.imu_frames;
   wires.nmea = config.value.nmea;
   replay::Drive drive{replay::open_drive_folder(feeder.folder(), wires), config.value.estimator.merge};

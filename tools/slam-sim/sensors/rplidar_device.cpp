@@ -96,7 +96,7 @@ Bytes RplidarDevice::config() const {
 
 Bytes rplidar_greeting(RplidarFirmware firmware) {
   RplidarDevice device{firmware};
-  const Bytes asked{kBegin, kInfo, kBegin, kHealth, kBegin, kConfig, 6, 0x71, 0, 0, 0, 2, 0, 0x54, kBegin, kScan,
+  const Bytes asked{kBegin, kInfo, kBegin, kHealth, kBegin, kRate, kBegin, kConfig, 6, 0x71, 0, 0, 0, 2, 0, 0x54, kBegin, kScan,
                     kBegin, kExpress, 5, 0, 0, 0, 0, 0, 0x22, kBegin, kExpress, 5, kBoostMode, 0, 0, 0, 0, 0x20};
   return device.take(asked);
 }

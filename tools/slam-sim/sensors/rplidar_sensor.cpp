@@ -110,7 +110,7 @@ std::vector<std::uint8_t> RplidarSensor::nodes(const std::vector<Sample>& sample
   const double step_deg = model_.rpm * 6.0 * format_.period_us * 1e-6;
   for (int i = 0; i < format_.samples; ++i) {
     const Sample& s = samples[static_cast<std::size_t>(i)];
-    const bool begins = s.raw_deg < step_deg;
+    const bool begins = wrapped(s.raw_deg + 0.5 * step_deg) < step_deg;
     const unsigned quality = s.range_m > 0.0 ? 47 : 0;
     const auto angle = static_cast<unsigned>(std::lround(s.angle_deg * 64.0)) % (360U * 64U);
     const auto range = static_cast<unsigned>(std::lround(s.range_m * 4e3));
