@@ -1,5 +1,6 @@
 #include "estimator/grid/line_map.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace slamd {
@@ -8,13 +9,26 @@ struct LineMap::Moments {
   double count = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;  // from the middle cell's centre
 };
 
-void LineMap::add(std::span<const Eigen::Vector2f> points, const PlanarPose& T_map_base) {
+namespace {
+
+/// In sectors: the lower of the two whose middles are around the direction; the other one is the next.
+double sector_of(const Eigen::Vector2d& normal, int sectors) {
+  return (std::atan2(normal.y(), normal.x()) / (2.0 * M_PI) + 1.0) * sectors;
+}
+
+}  // namespace
+
+void LineMap::add(const PlanarScan& scan, const PlanarPose& T_map_base) {
   const Eigen::Matrix2d R = T_map_base.rotation();
-  for (const Eigen::Vector2f& point : points) {
-    const Eigen::Vector2d p = R * point.cast<double>() + T_map_base.translation;
-    const Eigen::Vector2i index = cells_.cell_of(p);
-    const Eigen::Vector2f d = (p - cells_.centre(index.x(), index.y())).cast<float>();
-    Cell& cell = cells_.at(index.x(), index.y());
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    if (scan.normals[i].isZero()) continue;
+    const Eigen::Vector2d normal = R * scan.normals[i].cast<double>();
+    const Eigen::Vector2d p = R * scan.points[i].cast<double>() + T_map_base.translation;
+    const int sector = static_cast<int>(std::lround(sector_of(normal, kSectors))) % kSectors;
+    TileGrid<Cell>& cells = sectors_[static_cast<std::size_t>(sector)];
+    const Eigen::Vector2i index = cells.cell_of(p);
+    const Eigen::Vector2f d = (p - cells.centre(index.x(), index.y())).cast<float>();
+    Cell& cell = cells.at(index.x(), index.y());
     cell.count += 1.0F;
     cell.x += d.x();
     cell.y += d.y();
@@ -24,14 +38,13 @@ void LineMap::add(std::span<const Eigen::Vector2f> points, const PlanarPose& T_m
   }
 }
 
-LineMap::Moments LineMap::gather(const Eigen::Vector2i& middle, int reach) const {
-  Moments sum;
+void LineMap::gather(const TileGrid<Cell>& cells, const Eigen::Vector2i& middle, int reach, Moments& sum) const {
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; ++dx) {
-      const Cell* cell = cells_.find(middle.x() + dx, middle.y() + dy);
+      const Cell* cell = cells.find(middle.x() + dx, middle.y() + dy);
       if (cell == nullptr || cell->count == 0.0F) continue;
-      const double ox = dx * cells_.cell_m();
-      const double oy = dy * cells_.cell_m();
+      const double ox = dx * cells.cell_m();
+      const double oy = dy * cells.cell_m();
       const double n = cell->count;
       sum.count += n;
       sum.x += cell->x + n * ox;
@@ -41,7 +54,6 @@ LineMap::Moments LineMap::gather(const Eigen::Vector2i& middle, int reach) const
       sum.yy += cell->yy + 2.0 * oy * cell->y + n * oy * oy;
     }
   }
-  return sum;
 }
 
 bool LineMap::fit(const Moments& m, const Eigen::Vector2d& centre, WallLine& line) const {
@@ -67,10 +79,25 @@ bool LineMap::fit(const Moments& m, const Eigen::Vector2d& centre, WallLine& lin
   return true;
 }
 
-bool LineMap::line_at(const Eigen::Vector2d& p_map, WallLine& line) const {
-  const Eigen::Vector2i middle = cells_.cell_of(p_map);
-  const Eigen::Vector2d centre = cells_.centre(middle.x(), middle.y());
-  return fit(gather(middle, 1), centre, line) || fit(gather(middle, 2), centre, line);
+bool LineMap::line_at(const Eigen::Vector2d& p_map, const Eigen::Vector2d& normal_map, WallLine& line) const {
+  const Eigen::Vector2i middle = sectors_.front().cell_of(p_map);
+  const Eigen::Vector2d centre = sectors_.front().centre(middle.x(), middle.y());
+  const auto lower = static_cast<std::size_t>(sector_of(normal_map, kSectors));
+  for (const int reach : {1, 2}) {
+    Moments sum;
+    gather(sectors_[lower % kSectors], middle, reach, sum);
+    gather(sectors_[(lower + 1) % kSectors], middle, reach, sum);
+    if (fit(sum, centre, line)) return true;
+  }
+  return false;
+}
+
+bool LineMap::is_empty() const {
+  return std::ranges::all_of(sectors_, [](const TileGrid<Cell>& cells) { return cells.is_empty(); });
+}
+
+void LineMap::clear() {
+  for (TileGrid<Cell>& cells : sectors_) cells.clear();
 }
 
 }  // namespace slamd

@@ -1,12 +1,13 @@
 #pragma once
-// Where the walls of a level plane run: moments of the points in each cell, and the line through the cells around a place.
+// Where the walls of a level plane run: moments of the points in each cell, by the side from which they were seen, and the
+// line through the cells around a place.
 // It knows no occupied or free space; that is occupancy_builder.
 
 #include <Eigen/Core>
-#include <span>
 #include <vector>
 
 #include "estimator/graph/group_se2.hpp"
+#include "estimator/grid/planar_scan.hpp"
 #include "estimator/grid/tile_grid.hpp"
 
 namespace slamd {
@@ -28,30 +29,31 @@ struct WallLine {
 
 class LineMap {
  public:
-  explicit LineMap(const LineMapConfig& config) : config_{config}, cells_{config.cell_m} {}
+  explicit LineMap(const LineMapConfig& config) : config_{config}, sectors_(kSectors, TileGrid<Cell>{config.cell_m}) {}
 
-  /// points  of a scan, base frame, metres
-  void add(std::span<const Eigen::Vector2f> points, const PlanarPose& T_map_base);
-  /// The line through what the 3 x 3, else the 5 x 5 cells around `p_map` hold. False: there is none; `line` is then
-  /// undefined. No allocation.
-  bool line_at(const Eigen::Vector2d& p_map, WallLine& line) const;
+  /// Points without a normal are left out.
+  void add(const PlanarScan& scan, const PlanarPose& T_map_base);
+  /// The line through what the 3 x 3, else the 5 x 5 cells around `p_map` hold of walls that face as `normal_map` does (within
+  /// 22 degrees at least, 67 at most). False: there is none; `line` is then undefined. No allocation.
+  bool line_at(const Eigen::Vector2d& p_map, const Eigen::Vector2d& normal_map, WallLine& line) const;
 
-  bool is_empty() const { return cells_.is_empty(); }
-  void clear() { cells_.clear(); }
-  std::size_t tiles() const { return cells_.tiles(); }
+  bool is_empty() const;
+  void clear();
 
  private:
+  static constexpr int kSectors = 8;  // of directions: the two sides of a wall and the two walls of a corner do not mix
+
   struct Cell {
     float count = 0.0F;
     float x = 0.0F, y = 0.0F;                  // sums, from the cell's centre
     float xx = 0.0F, xy = 0.0F, yy = 0.0F;
   };
   struct Moments;
-  Moments gather(const Eigen::Vector2i& cell, int reach) const;
+  void gather(const TileGrid<Cell>& cells, const Eigen::Vector2i& middle, int reach, Moments& sum) const;
   bool fit(const Moments& moments, const Eigen::Vector2d& centre, WallLine& line) const;
 
   LineMapConfig config_;
-  TileGrid<Cell> cells_;
+  std::vector<TileGrid<Cell>> sectors_;  // by the direction of the normal
 };
 
 }  // namespace slamd

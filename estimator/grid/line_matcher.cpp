@@ -12,18 +12,20 @@ struct NormalEquations {
   Eigen::Matrix3d faked = Eigen::Matrix3d::Zero();  // what noise of the normals puts into H
   Eigen::Vector3d g = Eigen::Vector3d::Zero();
   double squares = 0.0, weights = 0.0;
-  int inliers = 0;
+  int inliers = 0, tried = 0;
 };
 
-NormalEquations linearise(const LineMap& map, std::span<const Eigen::Vector2f> points, const PlanarPose& T_map_base,
+NormalEquations linearise(const LineMap& map, const PlanarScan& scan, const PlanarPose& T_map_base,
                           const LineMatcherConfig& config) {
   NormalEquations sum;
   WallLine line;
   const Eigen::Matrix2d R = T_map_base.rotation();
   const double robust2 = config.robust_sigmas * config.robust_sigmas;
-  for (const Eigen::Vector2f& point : points) {
-    const Eigen::Vector2d p = point.cast<double>();
-    if (!map.line_at(R * p + T_map_base.translation, line)) continue;
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    if (scan.normals[i].isZero()) continue;
+    ++sum.tried;
+    const Eigen::Vector2d p = scan.points[i].cast<double>();
+    if (!map.line_at(R * p + T_map_base.translation, R * scan.normals[i].cast<double>(), line)) continue;
     const Eigen::Vector2d n = R.transpose() * line.normal;
     const double r = line.normal.dot(R * p + T_map_base.translation - line.mean);
     if (std::abs(r) > config.gate_m) continue;
@@ -62,10 +64,9 @@ Eigen::Matrix3d inverse_of(const Eigen::Matrix3d& information) {
   return (information + kNextToNothing * Eigen::Matrix3d::Identity()).inverse();
 }
 
-void finish(LineMatch& match, const NormalEquations& sum, std::size_t points, const PlanarPrior& prior,
-            const LineMatcherConfig& config) {
+void finish(LineMatch& match, const NormalEquations& sum, const PlanarPrior& prior, const LineMatcherConfig& config) {
   match.inliers = sum.inliers;
-  match.inlier_share = static_cast<double>(sum.inliers) / static_cast<double>(points);
+  match.inlier_share = sum.tried > 0 ? static_cast<double>(sum.inliers) / sum.tried : 0.0;
   match.mean_square = sum.weights > 0.0 ? sum.squares / sum.weights : 0.0;
   match.ok = sum.inliers >= config.least_inliers;
   if (!match.ok) return;
@@ -87,12 +88,12 @@ double line_residual(const WallLine& line, const PlanarPose& T_map_base, const E
   return line.normal.dot(R * p_base + T_map_base.translation - line.mean);
 }
 
-LineMatch match_lines(const LineMap& map, std::span<const Eigen::Vector2f> points, const PlanarPose& start,
+LineMatch match_lines(const LineMap& map, const PlanarScan& scan, const PlanarPose& start,
                       const PlanarPrior& prior, const LineMatcherConfig& config) {
   LineMatch match{.T_map_base = start, .covariance = inverse_of(prior.information)};
   NormalEquations sum;
   for (; match.iterations < config.max_iterations; ++match.iterations) {
-    sum = linearise(map, points, match.T_map_base, config);
+    sum = linearise(map, scan, match.T_map_base, config);
     if (sum.inliers < config.least_inliers) break;
     const Eigen::Vector3d e = GroupSe2::minus(match.T_map_base, prior.T_map_base);
     const Eigen::Matrix3d A = config.information_scale * sum.H + prior.information;
@@ -102,7 +103,7 @@ LineMatch match_lines(const LineMap& map, std::span<const Eigen::Vector2f> point
     match.T_map_base = GroupSe2::plus(match.T_map_base, step);
     if (step.head<2>().norm() < config.converged_m && std::abs(step[2]) < config.converged_rad) break;
   }
-  finish(match, sum, points.size(), prior, config);
+  finish(match, sum, prior, config);
   if (!match.ok) match.T_map_base = start;
   return match;
 }

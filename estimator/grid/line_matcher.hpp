@@ -3,7 +3,6 @@
 // motion's own word as prior, and the covariance that the scene gives. It needs a start within some decimetres.
 
 #include <Eigen/Core>
-#include <span>
 
 #include "estimator/grid/line_map.hpp"
 
@@ -41,7 +40,7 @@ struct LineMatch {
 };
 
 /// start  within some decimetres of the truth; may differ from the prior
-LineMatch match_lines(const LineMap& map, std::span<const Eigen::Vector2f> points, const PlanarPose& start,
+LineMatch match_lines(const LineMap& map, const PlanarScan& scan, const PlanarPose& start,
                       const PlanarPrior& prior, const LineMatcherConfig& config);
 
 /// The distance of a point of the base frame to a line, and its derivative by the pose's right perturbation.

@@ -13,7 +13,7 @@ void LocalMap::Part::clear() {
   way_m = 0.0;
 }
 
-void LocalMap::add(std::span<const Eigen::Vector2f> points, const PlanarPose& T_odom_base, double way_m) {
+void LocalMap::add(const PlanarScan& scan, const PlanarPose& T_odom_base, double way_m) {
   for (Part& part : maps_) part.way_m += way_m;
   if (maps_[0].way_m >= config_.length_m && has_second_) {
     std::swap(maps_[0], maps_[1]);
@@ -22,8 +22,8 @@ void LocalMap::add(std::span<const Eigen::Vector2f> points, const PlanarPose& T_
   has_second_ = maps_[0].way_m >= 0.5 * config_.length_m;
   if (!has_second_) maps_[1].way_m = 0.0;
   for (std::size_t i = 0; i < (has_second_ ? 2U : 1U); ++i) {
-    maps_[i].lines.add(points, T_odom_base);
-    maps_[i].likelihood.add(points, T_odom_base);
+    maps_[i].lines.add(scan, T_odom_base);
+    maps_[i].likelihood.add(scan.points, T_odom_base);
   }
 }
 

@@ -21,7 +21,7 @@ class LocalMap {
   explicit LocalMap(const LocalMapConfig& config);
 
   /// way_m  travelled since the last one
-  void add(std::span<const Eigen::Vector2f> points, const PlanarPose& T_odom_base, double way_m);
+  void add(const PlanarScan& scan, const PlanarPose& T_odom_base, double way_m);
   void clear();
 
   const LineMap& lines() const { return maps_[0].lines; }

@@ -11,6 +11,7 @@ constexpr double kWheelGap_s = 0.5;        // longer between two of them: nothin
 constexpr double kTurnGap_s = 0.1;
 constexpr double kVelocityShare = 0.8;     // of a measured velocity that is believed
 constexpr double kBiasWalk_rads_rts = 1e-5;
+constexpr double kLeastStep_s = 0.02;      // shorter between two scans: stamps say nothing of the velocity
 constexpr int kKnots = 21;
 
 template <class Samples>
@@ -20,7 +21,12 @@ void forget(Samples& samples) {
 
 PlanarPose pose_of(const WheelOdometry& wheels) { return {{wheels.x_m, wheels.y_m}, wheels.yaw_rad}; }
 
-/// The neighbours of an instant, for inter- or extrapolation by at most gap_s; nullopt where too far from any.
+/// Of the way from a to b; beyond them at most as far again, for two stamps may be next to each other.
+double share_of(HostTime time, HostTime a, HostTime b) {
+  return std::clamp(to_seconds(time - a) / to_seconds(b - a), -1.0, 2.0);
+}
+
+/// The neighbours of an instant, for inter- or extrapolation; nullopt where both are farther than gap_s.
 template <class Samples>
 std::optional<std::size_t> neighbour(const Samples& samples, HostTime time, double gap_s) {
   if (samples.size() < 2) return std::nullopt;
@@ -28,9 +34,8 @@ std::optional<std::size_t> neighbour(const Samples& samples, HostTime time, doub
   const auto index = static_cast<std::size_t>(after - samples.begin());
   const std::size_t i = std::clamp<std::size_t>(index, 1, samples.size() - 1) - 1;
   const Duration gap = from_seconds(gap_s);
-  if (time < samples[i].time - gap || time > samples[i + 1].time + gap) return std::nullopt;
-  const bool within = time >= samples[i].time && time <= samples[i + 1].time;
-  if (within && samples[i + 1].time - samples[i].time > 2 * gap) return std::nullopt;
+  const Duration off = std::min(std::chrono::abs(time - samples[i].time), std::chrono::abs(time - samples[i + 1].time));
+  if (off > gap) return std::nullopt;
   return i;
 }
 
@@ -59,7 +64,7 @@ std::optional<double> MotionPrior::turned(HostTime time) const {
   if (!i) return std::nullopt;
   const Turn& a = turns_[*i];
   const Turn& b = turns_[*i + 1];
-  const double share = to_seconds(time - a.time) / to_seconds(b.time - a.time);
+  const double share = share_of(time, a.time, b.time);
   return a.yaw_rad + share * (b.yaw_rad - a.yaw_rad);
 }
 
@@ -68,7 +73,7 @@ std::optional<PlanarPose> MotionPrior::wheels_at(HostTime time) const {
   if (!i) return std::nullopt;
   const WheelOdometry& a = wheels_[*i];
   const WheelOdometry& b = wheels_[*i + 1];
-  const double share = to_seconds(time - a.time) / to_seconds(b.time - a.time);
+  const double share = share_of(time, a.time, b.time);
   return GroupSe2::plus(pose_of(a), share * GroupSe2::minus(pose_of(b), pose_of(a)));
 }
 
@@ -135,7 +140,7 @@ void MotionPrior::learn_bias(HostTime time, const PlanarPose& T_odom_base) {
 
 void MotionPrior::estimate(HostTime time, const PlanarPose& T_odom_base, bool is_measured) {
   const double dt = to_seconds(time - time_);
-  if (is_measured && has_estimate() && dt > 1e-3) {
+  if (is_measured && has_estimate() && dt > kLeastStep_s) {
     learn_bias(time, T_odom_base);
     GroupSe2::Tangent way = GroupSe2::minus(T_odom_base, T_odom_base_);
     way.head<2>() = Eigen::Rotation2Dd{-0.5 * way[2]} * Eigen::Vector2d{way.head<2>()};

@@ -65,7 +65,7 @@ const PlanarResult* PlanarOdometry::step() {
     if (off.head<2>().norm() > kSkew_m || std::abs(off[2]) > kSkew_rad) {
       prediction.motion.bend(found.T_map_base);
       scan_2d_.cut(prediction.motion, tilt_.up_base(), scan_);
-      const LineMatch again = match_lines(map_.lines(), scan_.points, found.T_map_base, prediction.prior, config_.matcher);
+      const LineMatch again = match_lines(map_.lines(), scan_, found.T_map_base, prediction.prior, config_.matcher);
       if (again.ok) found = again;
     }
     matched_ = scan_2d_.end();
@@ -101,7 +101,7 @@ void PlanarOdometry::begin_map() {
 
 LineMatch PlanarOdometry::match(const MotionPrior::Prediction& prediction) {
   const PlanarPose start = search(prediction);
-  LineMatch found = match_lines(map_.lines(), scan_.points, start, prediction.prior, config_.matcher);
+  LineMatch found = match_lines(map_.lines(), scan_, start, prediction.prior, config_.matcher);
   found.ok = found.ok && found.inlier_share >= config_.least_inlier_share;
   if (!found.ok) {
     found.T_map_base = prediction.prior.T_map_base;
@@ -138,7 +138,7 @@ void PlanarOdometry::take_keyframe(double way_m) {
   keyframe_.scan = scan_;
   const Eigen::Matrix3d ad = adjoint((before.inverse() * keyframe_.T_odom_base).inverse());
   drift_ = ad * drift_ * ad.transpose() + keyframe_.relative_covariance;
-  if (result_.match.ok || map_.is_empty()) map_.add(scan_.points, keyframe_.T_odom_base, way_m);
+  if (result_.match.ok || map_.is_empty()) map_.add(scan_, keyframe_.T_odom_base, way_m);
   result_.is_keyframe = true;
 }
 

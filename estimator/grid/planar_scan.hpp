@@ -12,6 +12,7 @@ namespace slamd {
 struct PlanarScan {
   HostTime time;                                            // of which level is; the end of the scan
   std::vector<Eigen::Vector2f> points;                      // where rays ended, level frame, one a spacing, metres
+  std::vector<Eigen::Vector2f> normals;                     // of the wall at each point, unit, to the LiDAR's side; zero: not seen
   Eigen::Vector2f origin = Eigen::Vector2f::Zero();         // the LiDAR, where rays begin
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/grid/scan_normals.hpp"
+
 namespace slamd {
 
 Scan2d::Scan2d(const VehicleGeometry& vehicle, const Scan2dConfig& config) : vehicle_{vehicle}, config_{config} {}
@@ -72,15 +74,20 @@ void Scan2d::cut(const PlanarMotion& motion, const Eigen::Vector3d& up_base, Pla
     if (has_heights_ && (p.z() < static_cast<float>(config_.band_low_m) || p.z() > static_cast<float>(config_.band_high_m))) continue;
     level_.emplace_back(R_end_then * p.head<2>() + t_end_then);
   }
-  thin(level_, out.points);
+  for (double spacing_m = config_.spacing_m;; spacing_m *= 2.0) {
+    thin(spacing_m, out.points);
+    if (out.points.size() <= config_.most_points) break;
+    level_ = out.points;
+  }
+  find_normals(out);
 }
 
 /// The mean of the points of each square of the spacing, in the order in which squares were first met.
-void Scan2d::thin(std::span<const Eigen::Vector2f> points, std::vector<Eigen::Vector2f>& out) {
+void Scan2d::thin(double spacing_m, std::vector<Eigen::Vector2f>& out) {
   voxels_.clear();
   means_.clear();
-  const auto per_m = static_cast<float>(1.0 / config_.spacing_m);
-  for (const Eigen::Vector2f& p : points) {
+  const auto per_m = static_cast<float>(1.0 / spacing_m);
+  for (const Eigen::Vector2f& p : level_) {
     const auto x = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(p.x() * per_m)));
     const auto y = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(p.y() * per_m)));
     const std::uint64_t key = (static_cast<std::uint64_t>(x) << 32U) | y;

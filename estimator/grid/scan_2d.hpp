@@ -20,7 +20,8 @@ struct Scan2dConfig {
   double band_high_m = 2.8;
   double min_range_m = 0.12;      // nearer returns are the vehicle itself, from the LiDAR
   double max_range_m = 80.0;
-  double spacing_m = 0.05;        // points nearer to each other become their mean
+  double spacing_m = 0.05;        // points nearer to each other become their mean; twice that, and so on, while there are more than
+  std::size_t most_points = 800;
 };
 
 class Scan2d {
@@ -47,7 +48,7 @@ class Scan2d {
     Eigen::Vector3f p_base;
     float before_end_s;  // negative
   };
-  void thin(std::span<const Eigen::Vector2f> points, std::vector<Eigen::Vector2f>& out);
+  void thin(double spacing_m, std::vector<Eigen::Vector2f>& out);
 
   VehicleGeometry vehicle_;
   Scan2dConfig config_;

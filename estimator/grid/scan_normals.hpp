@@ -1,0 +1,12 @@
+#pragma once
+// How the wall runs at each point of a scan, from its neighbours in the same scan. Walls of many scans are line_map's.
+
+#include "estimator/grid/planar_scan.hpp"
+
+namespace slamd {
+
+/// Sorts the points by their direction from the LiDAR and fills the normals: towards the LiDAR, zero where the neighbours within
+/// a reach that grows with range are fewer than three or lie on no line.
+void find_normals(PlanarScan& scan);
+
+}  // namespace slamd
