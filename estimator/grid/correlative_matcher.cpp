@@ -40,7 +40,8 @@ void CorrelativeMatcher::rotate(const LikelihoodPyramid& likelihood, std::span<c
   }
 }
 
-double CorrelativeMatcher::value_bound(const Node& node) const {
+double CorrelativeMatcher::value_bound(const Node& node) {
+  --looks_left_;
   std::uint32_t sum = 0;
   const Eigen::Vector2i shift{node.x, node.y};
   for (const Eigen::Vector2i& cell : rotated(node.yaw)) sum += likelihood_->bound(node.level, cell + shift);
@@ -58,7 +59,7 @@ void CorrelativeMatcher::descend(std::vector<Node>& nodes) {
   };
   std::ranges::sort(nodes, order);
   for (const Node& node : nodes) {
-    if (node.bound <= best_.bound) return;
+    if (node.bound <= best_.bound || looks_left_ <= 0) return;
     if (node.level == 0) {
       best_ = node;
       return;
@@ -83,9 +84,10 @@ std::optional<CorrelativeMatch> CorrelativeMatcher::match(const LikelihoodPyrami
   rotate(likelihood, points, window);
   int top = 0;
   while (top + 1 < likelihood.levels() && (1 << top) <= half_cells_) ++top;
+  looks_left_ = window.most_looks;
   best_ = {0, 0, 0, -1, std::max(window.least_score, 1e-9)};
   std::vector<Node> roots;
-  for (int yaw = -half_yaws_; yaw <= half_yaws_; ++yaw) {
+  for (int yaw = -half_yaws_; yaw <= half_yaws_ && looks_left_ > 0; ++yaw) {
     for (int y = -half_cells_; y <= half_cells_; y += 1 << top) {
       for (int x = -half_cells_; x <= half_cells_; x += 1 << top) {
         roots.push_back({yaw, x, y, top, 0.0});
@@ -99,6 +101,7 @@ std::optional<CorrelativeMatch> CorrelativeMatcher::match(const LikelihoodPyrami
   const Eigen::Vector2d shift = Eigen::Vector2d{best_.x, best_.y} * likelihood.cell_m();
   found.T_map_base = {window.centre.translation + shift, window.centre.yaw_rad + best_.yaw * yaw_step_rad_};
   found.value = best_.bound;
+  found.exact = looks_left_ > 0;
   centre_share_ = 0.0;
   found.score = value_bound(best_);
   return found;

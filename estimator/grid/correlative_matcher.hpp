@@ -19,12 +19,14 @@ struct SearchWindow {
   double half_yaw_rad = 0.1;
   double centre_share = 0.0;  // score (0..1) that a pose in a corner or at the end of the angles loses against the centre
   double least_score = 0.0;   // nothing worse is looked for
+  int most_looks = 100'000;   // blocks whose bound is computed: the worst case's time
 };
 
 struct CorrelativeMatch {
   PlanarPose T_map_base;
   double score = 0.0;   // mean likelihood of the points, 0..1, without what the distance from the centre costs
   double value = 0.0;   // with it: what is maximised
+  bool exact = true;    // false: most_looks were not enough, and this is the best so far
 };
 
 class CorrelativeMatcher {
@@ -41,7 +43,7 @@ class CorrelativeMatcher {
     int yaw, x, y, level;  // angle, first shift of the block in cells
     double bound;
   };
-  double value_bound(const Node& node) const;
+  double value_bound(const Node& node);
   void descend(std::vector<Node>& nodes);
   void rotate(const LikelihoodPyramid& likelihood, std::span<const Eigen::Vector2f> points, const SearchWindow& window);
   std::span<const Eigen::Vector2i> rotated(int yaw) const {
@@ -54,6 +56,7 @@ class CorrelativeMatcher {
   int half_cells_ = 0, half_yaws_ = 0;
   double yaw_step_rad_ = 0.0;
   double centre_share_ = 0.0;
+  int looks_left_ = 0;
   Node best_{};
 };
 

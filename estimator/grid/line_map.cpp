@@ -18,23 +18,30 @@ double sector_of(const Eigen::Vector2d& normal, int sectors) {
 
 }  // namespace
 
+LineMap::LineMap(const LineMapConfig& config)
+    : config_{config},
+      layers_{Sectors(kSectors, TileGrid<Cell>{config.cell_m}), Sectors(kSectors, TileGrid<Cell>{config.coarser * config.cell_m})} {}
+
+void LineMap::add(TileGrid<Cell>& cells, const Eigen::Vector2d& p) {
+  const Eigen::Vector2i index = cells.cell_of(p);
+  const Eigen::Vector2f d = (p - cells.centre(index.x(), index.y())).cast<float>();
+  Cell& cell = cells.at(index.x(), index.y());
+  cell.count += 1.0F;
+  cell.x += d.x();
+  cell.y += d.y();
+  cell.xx += d.x() * d.x();
+  cell.xy += d.x() * d.y();
+  cell.yy += d.y() * d.y();
+}
+
 void LineMap::add(const PlanarScan& scan, const PlanarPose& T_map_base) {
   const Eigen::Matrix2d R = T_map_base.rotation();
   for (std::size_t i = 0; i < scan.points.size(); ++i) {
     if (scan.normals[i].isZero()) continue;
     const Eigen::Vector2d normal = R * scan.normals[i].cast<double>();
     const Eigen::Vector2d p = R * scan.points[i].cast<double>() + T_map_base.translation;
-    const int sector = static_cast<int>(std::lround(sector_of(normal, kSectors))) % kSectors;
-    TileGrid<Cell>& cells = sectors_[static_cast<std::size_t>(sector)];
-    const Eigen::Vector2i index = cells.cell_of(p);
-    const Eigen::Vector2f d = (p - cells.centre(index.x(), index.y())).cast<float>();
-    Cell& cell = cells.at(index.x(), index.y());
-    cell.count += 1.0F;
-    cell.x += d.x();
-    cell.y += d.y();
-    cell.xx += d.x() * d.x();
-    cell.xy += d.x() * d.y();
-    cell.yy += d.y() * d.y();
+    const auto sector = static_cast<std::size_t>(std::lround(sector_of(normal, kSectors))) % kSectors;
+    for (Sectors& layer : layers_) add(layer[sector], p);
   }
 }
 
@@ -80,24 +87,25 @@ bool LineMap::fit(const Moments& m, const Eigen::Vector2d& centre, WallLine& lin
 }
 
 bool LineMap::line_at(const Eigen::Vector2d& p_map, const Eigen::Vector2d& normal_map, WallLine& line) const {
-  const Eigen::Vector2i middle = sectors_.front().cell_of(p_map);
-  const Eigen::Vector2d centre = sectors_.front().centre(middle.x(), middle.y());
   const auto lower = static_cast<std::size_t>(sector_of(normal_map, kSectors));
-  for (const int reach : {1, 2}) {
+  const auto try_cells = [&](const Sectors& layer, int reach) {
+    const Eigen::Vector2i middle = layer.front().cell_of(p_map);
     Moments sum;
-    gather(sectors_[lower % kSectors], middle, reach, sum);
-    gather(sectors_[(lower + 1) % kSectors], middle, reach, sum);
-    if (fit(sum, centre, line)) return true;
-  }
-  return false;
+    gather(layer[lower % kSectors], middle, reach, sum);
+    gather(layer[(lower + 1) % kSectors], middle, reach, sum);
+    return fit(sum, layer.front().centre(middle.x(), middle.y()), line);
+  };
+  return try_cells(layers_[0], 1) || try_cells(layers_[0], 2) || try_cells(layers_[1], 1);
 }
 
 bool LineMap::is_empty() const {
-  return std::ranges::all_of(sectors_, [](const TileGrid<Cell>& cells) { return cells.is_empty(); });
+  return std::ranges::all_of(layers_[0], [](const TileGrid<Cell>& cells) { return cells.is_empty(); });
 }
 
 void LineMap::clear() {
-  for (TileGrid<Cell>& cells : sectors_) cells.clear();
+  for (Sectors& layer : layers_) {
+    for (TileGrid<Cell>& cells : layer) cells.clear();
+  }
 }
 
 }  // namespace slamd

@@ -4,6 +4,7 @@
 // It knows no occupied or free space; that is occupancy_builder.
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "estimator/graph/group_se2.hpp"
@@ -13,7 +14,8 @@
 namespace slamd {
 
 struct LineMapConfig {
-  double cell_m = 0.1;          // moments are kept so fine
+  double cell_m = 0.1;          // moments are kept so fine,
+  double coarser = 4.0;         // and in cells so many times larger, for walls that are far away
   double least_points = 4.0;    // of a line, at least
   double most_thickness = 0.35;  // standard deviation across over along, at most: else it is no line
   double point_sigma_m = 0.015;  // noise of a point, at least
@@ -29,12 +31,12 @@ struct WallLine {
 
 class LineMap {
  public:
-  explicit LineMap(const LineMapConfig& config) : config_{config}, sectors_(kSectors, TileGrid<Cell>{config.cell_m}) {}
+  explicit LineMap(const LineMapConfig& config);
 
   /// Points without a normal are left out.
   void add(const PlanarScan& scan, const PlanarPose& T_map_base);
-  /// The line through what the 3 x 3, else the 5 x 5 cells around `p_map` hold of walls that face as `normal_map` does (within
-  /// 22 degrees at least, 67 at most). False: there is none; `line` is then undefined. No allocation.
+  /// The line through what the 3 x 3, else the 5 x 5 cells around `p_map`, else those of the coarser layer hold of walls that face
+  /// as `normal_map` does (within 22 degrees at least, 67 at most). False: there is none; `line` is then undefined. No allocation.
   bool line_at(const Eigen::Vector2d& p_map, const Eigen::Vector2d& normal_map, WallLine& line) const;
 
   bool is_empty() const;
@@ -50,10 +52,12 @@ class LineMap {
   };
   struct Moments;
   void gather(const TileGrid<Cell>& cells, const Eigen::Vector2i& middle, int reach, Moments& sum) const;
+  static void add(TileGrid<Cell>& cells, const Eigen::Vector2d& p);
   bool fit(const Moments& moments, const Eigen::Vector2d& centre, WallLine& line) const;
 
   LineMapConfig config_;
-  std::vector<TileGrid<Cell>> sectors_;  // by the direction of the normal
+  using Sectors = std::vector<TileGrid<Cell>>;  // by the direction of the normal
+  std::array<Sectors, 2> layers_;               // fine, then coarse: where points are sparse
 };
 
 }  // namespace slamd

@@ -21,7 +21,8 @@ NormalEquations linearise(const LineMap& map, const PlanarScan& scan, const Plan
   WallLine line;
   const Eigen::Matrix2d R = T_map_base.rotation();
   const double robust2 = config.robust_sigmas * config.robust_sigmas;
-  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+  const std::size_t stride = scan.points.size() / config.most_points + 1;
+  for (std::size_t i = 0; i < scan.points.size(); i += stride) {
     if (scan.normals[i].isZero()) continue;
     ++sum.tried;
     const Eigen::Vector2d p = scan.points[i].cast<double>();

@@ -19,6 +19,7 @@ struct LineMatcherConfig {
   double degenerate_sigma_m = 0.1;  // a scan that alone knows a direction no better does not constrain it
   double degenerate_sigma_rad = 0.02;
   int least_inliers = 20;
+  std::size_t most_points = 800;    // of a scan that take part, evenly chosen
 };
 
 /// What is known of a pose before the scan. Information of the error by right perturbation: x, y in base (m), yaw (rad).

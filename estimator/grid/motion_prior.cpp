@@ -1,7 +1,10 @@
 #include "estimator/grid/motion_prior.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "estimator/grid/planar_covariance.hpp"
 
 namespace slamd {
 namespace {
@@ -94,7 +97,8 @@ PlanarPose MotionPrior::relative(HostTime time) const {
   return way;
 }
 
-Eigen::Matrix3d MotionPrior::information(HostTime end, const PlanarPose& way) const {
+/// What the way since the newest estimate adds to its covariance.
+Eigen::Matrix3d MotionPrior::noise(HostTime end, const PlanarPose& way) const {
   const double dt = std::abs(to_seconds(end - time_));
   const double length = way.translation.norm();
   const bool has_wheels = wheels_at(time_) && wheels_at(end);
@@ -104,8 +108,7 @@ Eigen::Matrix3d MotionPrior::information(HostTime end, const PlanarPose& way) co
   if (turned(time_) && turned(end)) sigma_rad = std::hypot(config_.gyro_rads, bias_sigma_rads_) * dt;
   sigma_m = std::hypot(sigma_m, config_.least_sigma_m);
   sigma_rad = std::hypot(sigma_rad, config_.least_sigma_rad);
-  const Eigen::Vector3d weight{1.0 / (sigma_m * sigma_m), 1.0 / (sigma_m * sigma_m), 1.0 / (sigma_rad * sigma_rad)};
-  return weight.asDiagonal();
+  return Eigen::Vector3d{sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad}.asDiagonal();
 }
 
 MotionPrior::Prediction MotionPrior::predict(HostTime begin, HostTime end) const {
@@ -117,7 +120,8 @@ MotionPrior::Prediction MotionPrior::predict(HostTime begin, HostTime end) const
   for (int i = 0; i < knots; ++i) poses.push_back(T_odom_base_ * relative(begin + from_seconds(i * step_s)));
   const PlanarPose way = relative(end);
   poses.back() = T_odom_base_ * way;
-  prediction.prior = {poses.back(), information(end, way)};
+  const Eigen::Matrix3d ad = planar_adjoint(way.inverse());
+  prediction.prior = {poses.back(), (ad * covariance_ * ad.transpose() + noise(end, way)).inverse()};
   prediction.motion.assign(-span_s, step_s, poses);
   prediction.from_s = to_seconds(end - time_);
   return prediction;
@@ -138,7 +142,7 @@ void MotionPrior::learn_bias(HostTime time, const PlanarPose& T_odom_base) {
   bias_sigma_rads_ = std::sqrt((1.0 - gain) * variance);
 }
 
-void MotionPrior::estimate(HostTime time, const PlanarPose& T_odom_base, bool is_measured) {
+void MotionPrior::estimate(HostTime time, const PlanarPose& T_odom_base, const Eigen::Matrix3d& covariance, bool is_measured) {
   const double dt = to_seconds(time - time_);
   if (is_measured && has_estimate() && dt > kLeastStep_s) {
     learn_bias(time, T_odom_base);
@@ -148,6 +152,7 @@ void MotionPrior::estimate(HostTime time, const PlanarPose& T_odom_base, bool is
   }
   time_ = time;
   T_odom_base_ = T_odom_base;
+  covariance_ = covariance;
 }
 
 }  // namespace slamd

@@ -39,8 +39,9 @@ class MotionPrior {
   /// begin <= end; at least one estimate() before.
   Prediction predict(HostTime begin, HostTime end) const;
 
-  /// A scan told where the vehicle is. is_measured: false = only predicted; velocity and bias then stay.
-  void estimate(HostTime time, const PlanarPose& T_odom_base, bool is_measured);
+  /// A scan told where the vehicle is; covariance by right perturbation. is_measured: false = it told nothing, and this is the
+  /// prediction again; velocity and bias then stay.
+  void estimate(HostTime time, const PlanarPose& T_odom_base, const Eigen::Matrix3d& covariance, bool is_measured);
 
   bool has_estimate() const { return time_ != HostTime{}; }
   HostTime time() const { return time_; }
@@ -56,7 +57,7 @@ class MotionPrior {
   std::optional<double> turned(HostTime time) const;
   std::optional<PlanarPose> wheels_at(HostTime time) const;
   PlanarPose relative(HostTime time) const;
-  Eigen::Matrix3d information(HostTime end, const PlanarPose& way) const;
+  Eigen::Matrix3d noise(HostTime end, const PlanarPose& way) const;
   void learn_bias(HostTime time, const PlanarPose& T_odom_base);
 
   MotionPriorConfig config_;
@@ -64,6 +65,7 @@ class MotionPrior {
   std::deque<Turn> turns_;
   HostTime time_{};
   PlanarPose T_odom_base_;
+  Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
   double bias_rads_ = 0.0, bias_sigma_rads_ = 0.02;
 };

@@ -1,6 +1,9 @@
 #include "estimator/grid/planar_odometry.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
+
+#include "estimator/grid/planar_covariance.hpp"
 
 namespace slamd {
 namespace {
@@ -9,15 +12,6 @@ constexpr double kUnknownSigma_m = 1e3;  // of what a plane does not tell: heigh
 constexpr double kTiltSigma_rad = 0.005;
 constexpr double kSkew_m = 0.01;         // a motion that turned out so far off: the scan is de-skewed anew
 constexpr double kSkew_rad = 0.002;
-
-/// Ad(T) with T * Exp(e) = Exp(Ad e) * T in the plane; errors as right perturbation move by it from b to a.
-Eigen::Matrix3d adjoint(const PlanarPose& T_a_b) {
-  Eigen::Matrix3d ad = Eigen::Matrix3d::Identity();
-  ad.topLeftCorner<2, 2>() = T_a_b.rotation();
-  ad(0, 2) = T_a_b.translation.y();
-  ad(1, 2) = -T_a_b.translation.x();
-  return ad;
-}
 
 }  // namespace
 
@@ -59,7 +53,7 @@ const PlanarResult* PlanarOdometry::step() {
     return nullptr;
   }
   ++stats_.scans;
-  LineMatch found = match(prediction);
+  LineMatch found = match(prediction.prior);
   if (found.ok) {
     const GroupSe2::Tangent off = GroupSe2::minus(found.T_map_base, prediction.motion.end());
     if (off.head<2>().norm() > kSkew_m || std::abs(off[2]) > kSkew_rad) {
@@ -74,7 +68,7 @@ const PlanarResult* PlanarOdometry::step() {
     ++stats_.unmatched;
     if (++unmatched_ >= config_.max_unmatched) map_.clear();
   }
-  prior_.estimate(scan_2d_.end(), found.T_map_base, found.ok);
+  prior_.estimate(scan_2d_.end(), found.T_map_base, found.covariance, found.ok);
   tell(found);
   return &result_;
 }
@@ -91,7 +85,7 @@ void PlanarOdometry::begin_map() {
   }
   ++stats_.scans;
   matched_ = scan_2d_.end();
-  prior_.estimate(scan_2d_.end(), PlanarPose{}, true);
+  prior_.estimate(scan_2d_.end(), PlanarPose{}, Eigen::Matrix3d::Zero(), true);
   LineMatch match;
   match.covariance.setZero();
   match.ok = true;
@@ -99,28 +93,38 @@ void PlanarOdometry::begin_map() {
   tell(match);
 }
 
-LineMatch PlanarOdometry::match(const MotionPrior::Prediction& prediction) {
-  const PlanarPose start = search(prediction);
-  LineMatch found = match_lines(map_.lines(), scan_, start, prediction.prior, config_.matcher);
+bool PlanarOdometry::is_sure(const PlanarPrior& prior) const {
+  const Eigen::Matrix3d covariance = prior.information.inverse();
+  return covariance.topLeftCorner<2, 2>().trace() < config_.sure_sigma_m * config_.sure_sigma_m &&
+         covariance(2, 2) < config_.sure_sigma_rad * config_.sure_sigma_rad;
+}
+
+LineMatch PlanarOdometry::match(const PlanarPrior& prior) {
+  LineMatch found = match_lines(map_.lines(), scan_, prior.T_map_base, prior, config_.matcher);
+  if (!is_sure(prior) || !found.ok || found.inlier_share < config_.sure_inlier_share) {
+    const LineMatch searched = match_lines(map_.lines(), scan_, search(prior), prior, config_.matcher);
+    if (searched.ok && (!found.ok || searched.inlier_share > found.inlier_share)) found = searched;
+  }
   found.ok = found.ok && found.inlier_share >= config_.least_inlier_share;
   if (!found.ok) {
-    found.T_map_base = prediction.prior.T_map_base;
-    found.covariance = prediction.prior.information.inverse();
+    found.T_map_base = prior.T_map_base;
+    found.covariance = prior.information.inverse();
   }
   return found;
 }
 
-PlanarPose PlanarOdometry::search(const MotionPrior::Prediction& prediction) {
+PlanarPose PlanarOdometry::search(const PlanarPrior& prior) {
   const std::size_t stride = std::max<std::size_t>(1, (scan_.points.size() + config_.search_points - 1) / config_.search_points);
   sample_.clear();
   for (std::size_t i = 0; i < scan_.points.size(); i += stride) sample_.push_back(scan_.points[i]);
-  const Eigen::Vector3d sigma = prediction.prior.information.diagonal().cwiseInverse().cwiseSqrt();
+  const Eigen::Vector3d sigma = prior.information.inverse().diagonal().cwiseSqrt();
   SearchWindow window;
-  window.centre = prediction.prior.T_map_base;
-  window.half_width_m = std::clamp(config_.search_sigmas * sigma[0], config_.least_search_m, config_.most_search_m);
+  window.centre = prior.T_map_base;
+  window.half_width_m = std::clamp(config_.search_sigmas * sigma.head<2>().maxCoeff(), config_.least_search_m, config_.most_search_m);
   window.half_yaw_rad = std::min(config_.search_sigmas * sigma[2], config_.most_search_rad);
   window.centre_share = config_.search_centre_share;
   window.least_score = config_.least_score;
+  window.most_looks = config_.search_looks;
   const std::optional<CorrelativeMatch> found = correlative_.match(map_.likelihood(), sample_, window);
   return found ? found->T_map_base : window.centre;
 }
@@ -136,7 +140,7 @@ void PlanarOdometry::take_keyframe(double way_m) {
       way_m * Eigen::Vector3d{config_.drift_m_rtm, config_.drift_m_rtm, config_.drift_rad_rtm}.cwiseAbs2();
   if (!result_.match.ok) keyframe_.relative_covariance = result_.match.covariance;
   keyframe_.scan = scan_;
-  const Eigen::Matrix3d ad = adjoint((before.inverse() * keyframe_.T_odom_base).inverse());
+  const Eigen::Matrix3d ad = planar_adjoint((before.inverse() * keyframe_.T_odom_base).inverse());
   drift_ = ad * drift_ * ad.transpose() + keyframe_.relative_covariance;
   if (result_.match.ok || map_.is_empty()) map_.add(scan_, keyframe_.T_odom_base, way_m);
   result_.is_keyframe = true;
@@ -147,7 +151,7 @@ void PlanarOdometry::tell(const LineMatch& match) {
   result_.is_keyframe = false;
   const GroupSe2::Tangent way = GroupSe2::minus(prior_.pose(), keyframe_.T_odom_base);
   const bool is_far = way.head<2>().norm() >= config_.keyframe_distance_m || std::abs(way[2]) >= config_.keyframe_angle_rad;
-  if (keyframes_ == 0 || is_far) take_keyframe(keyframes_ == 0 ? 0.0 : way.head<2>().norm() + map_.turn_m() * std::abs(way[2]));
+  if (map_.is_empty() || is_far) take_keyframe(keyframes_ == 0 ? 0.0 : way.head<2>().norm() + map_.turn_m() * std::abs(way[2]));
   NavState& state = result_.state;
   state.time = prior_.time();
   const PlanarPose& T = prior_.pose();

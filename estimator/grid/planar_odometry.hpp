@@ -20,11 +20,15 @@ struct PlanarOdometryConfig {
   MotionPriorConfig motion;
   LocalMapConfig local_map;
   LineMatcherConfig matcher;
+  double sure_sigma_m = 0.1;          // a prior that is surer, and whose scan fits at once,
+  double sure_sigma_rad = 0.03;
+  double sure_inlier_share = 0.5;     // with so much of it on walls, needs no search
   double search_sigmas = 3.0;         // of the prior: half width of the correlative search
   double least_search_m = 0.1;
   double most_search_m = 0.5;
   double most_search_rad = 0.25;
-  std::size_t search_points = 200;    // of a scan, at most
+  std::size_t search_points = 150;    // of a scan, at most
+  int search_looks = 6000;            // bounds the time of a search
   double search_centre_share = 0.1;   // score that the edge of the search has to gain over the prior
   double least_score = 0.3;           // of the search: with less the scan does not fit
   double least_inlier_share = 0.2;    // of a scan's points; with less it is not believed
@@ -72,8 +76,9 @@ class PlanarOdometry {
 
  private:
   const PlanarResult* step();
-  LineMatch match(const MotionPrior::Prediction& prediction);
-  PlanarPose search(const MotionPrior::Prediction& prediction);
+  LineMatch match(const PlanarPrior& prior);
+  bool is_sure(const PlanarPrior& prior) const;
+  PlanarPose search(const PlanarPrior& prior);
   void begin_map();
   void take_keyframe(double way_m);
   void tell(const LineMatch& match);

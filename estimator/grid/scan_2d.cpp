@@ -74,12 +74,13 @@ void Scan2d::cut(const PlanarMotion& motion, const Eigen::Vector3d& up_base, Pla
     if (has_heights_ && (p.z() < static_cast<float>(config_.band_low_m) || p.z() > static_cast<float>(config_.band_high_m))) continue;
     level_.emplace_back(R_end_then * p.head<2>() + t_end_then);
   }
-  for (double spacing_m = config_.spacing_m;; spacing_m *= 2.0) {
-    thin(spacing_m, out.points);
-    if (out.points.size() <= config_.most_points) break;
+  double spacing_m = config_.spacing_m;
+  thin(spacing_m, out.points);
+  while (out.points.size() > config_.most_points) {
     level_ = out.points;
+    thin(spacing_m *= 2.0, out.points);
   }
-  find_normals(out);
+  find_normals(out, spacing_m);
 }
 
 /// The mean of the points of each square of the spacing, in the order in which squares were first met.

@@ -21,7 +21,7 @@ struct Scan2dConfig {
   double min_range_m = 0.12;      // nearer returns are the vehicle itself, from the LiDAR
   double max_range_m = 80.0;
   double spacing_m = 0.05;        // points nearer to each other become their mean; twice that, and so on, while there are more than
-  std::size_t most_points = 800;
+  std::size_t most_points = 3000;
 };
 
 class Scan2d {

@@ -50,7 +50,8 @@ void sort_by_direction(PlanarScan& scan) {
 
 }  // namespace
 
-void find_normals(PlanarScan& scan) {
+void find_normals(PlanarScan& scan, double spacing_m) {
+  const float least_reach = std::max(kReach_m, 3.0F * static_cast<float>(spacing_m));
   sort_by_direction(scan);
   const std::size_t n = scan.points.size();
   const std::size_t sides = std::min(kMostNeighbours, n > 0 ? (n - 1) / 2 : 0);
@@ -58,7 +59,7 @@ void find_normals(PlanarScan& scan) {
   for (std::size_t i = 0; i < n; ++i) {
     const Eigen::Vector2f& p = scan.points[i];
     const Eigen::Vector2f to_lidar = scan.origin - p;
-    const float reach = std::min(kReach_m + kReachPerRange * to_lidar.norm(), kMostReach_m);
+    const float reach = std::min(least_reach + kReachPerRange * to_lidar.norm(), kMostReach_m);
     Moments moments;
     moments.add(Eigen::Vector2f::Zero());
     for (std::size_t k = 1; k <= sides; ++k) {

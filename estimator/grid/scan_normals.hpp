@@ -7,6 +7,7 @@ namespace slamd {
 
 /// Sorts the points by their direction from the LiDAR and fills the normals: towards the LiDAR, zero where the neighbours within
 /// a reach that grows with range are fewer than three or lie on no line.
-void find_normals(PlanarScan& scan);
+/// spacing_m  of the points: the reach is three of it at least
+void find_normals(PlanarScan& scan, double spacing_m);
 
 }  // namespace slamd

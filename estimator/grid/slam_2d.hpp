@@ -16,7 +16,7 @@ struct Slam2dConfig {
 class Slam2d {
  public:
   Slam2d(const VehicleGeometry& vehicle, const Slam2dConfig& config)
-      : odometry_{vehicle, config.odometry}, mapper_{config.mapper} {}
+      : odometry_{vehicle, config.odometry}, mapper_{config.mapper, config.odometry} {}
 
   /// Events in order of arrival. Any of them may be missing: wheels, IMU.
   void add(const WheelOdometry& wheels) { odometry_.add(wheels); }

@@ -148,7 +148,10 @@ std::string PlanarReplay::to_json(const Sensors& sensors) const {
            {"realtime_factor", to_seconds(report_.drive) / std::max(1e-9, to_seconds(report_.wall))},
            {"peak_rss_mb", static_cast<double>(process_memory().peak_bytes) / kMegabyte},
            {"scan_ms", milliseconds(times_.scan())},
-           {"keyframes", slam_.mapper().keyframes()},
+           {"keyframes", slam_.mapper().keyframes().size()},
+           {"loop_looks", slam_.mapper().stats().looks},
+           {"closures", slam_.mapper().stats().closures},
+           {"solves", slam_.mapper().stats().solves},
            {"wheel_odometry", report_.wheels},
            {"scans_unmatched", stats.unmatched}};
   out["rejections"] = stream_rejections(sensors);
