@@ -12,7 +12,8 @@ namespace slamd {
 struct LocalMapConfig {
   LineMapConfig lines;
   LikelihoodConfig likelihood;
-  double length_m = 30.0;   // way after which a map is given up; the next one began half that before
+  double length_m = 15.0;      // way after which a map is given up, at least; the next one began half that before
+  double length_ranges = 6.0;  // likewise in mean ranges of the scans: in a wide world walls stay in sight for longer
   double turn_m = 1.0;      // a turn by a radian counts like this way
 };
 
@@ -28,7 +29,7 @@ class LocalMap {
   const LikelihoodPyramid& likelihood() const { return maps_[0].likelihood; }
   bool is_empty() const { return maps_[0].lines.is_empty(); }
   /// Way over which the pose's error is renewed: half a map.
-  double renewal_m() const { return 0.5 * config_.length_m; }
+  double renewal_m() const { return 0.5 * length_m_; }
   double turn_m() const { return config_.turn_m; }
 
  private:
@@ -39,6 +40,7 @@ class LocalMap {
     void clear();
   };
   LocalMapConfig config_;
+  double length_m_;           // by the newest scan
   std::array<Part, 2> maps_;  // the older first
   bool has_second_ = false;
 };

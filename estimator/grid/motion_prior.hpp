@@ -17,10 +17,10 @@ struct MotionPriorConfig {
   double turn_accel_rads2 = 2.0;      // likewise the turn rate, without gyro and wheels
   double wheel_slip = 0.1;            // of the way that the wheels tell
   double wheel_turn_slip = 0.15;      // of the turn that they tell
-  double wheel_turn_rad_m = 0.02;     // turn that they do not tell, a metre
+  double wheel_turn_rad_m = 0.1;     // turn that they do not tell, a metre: a bias, which a map would take over if it were believed
   double gyro_rads = 0.005;           // beyond its bias
   double least_sigma_m = 0.005;       // of any prior
-  double least_sigma_rad = 0.001;
+  double least_sigma_rad = 0.005;
 };
 
 class MotionPrior {

@@ -49,7 +49,8 @@ Eigen::Matrix3d PlanarLoopCloser::drift(const PlanarNodes& nodes, std::size_t fr
 std::optional<std::size_t> PlanarLoopCloser::candidate(const PlanarNodes& nodes, std::size_t newest) const {
   std::optional<std::size_t> best;
   double nearest = config_.most_radius_m;
-  for (std::size_t i = 0; i < newest && nodes[newest].way_m - nodes[i].way_m > config_.least_way_m; ++i) {
+  const double least_way_m = std::max<double>(config_.least_way_m, config_.least_way_ranges * nodes[newest].scan.mean_range_m);
+  for (std::size_t i = 0; i < newest && nodes[newest].way_m - nodes[i].way_m > least_way_m; ++i) {
     const double distance = (nodes[i].T_map_base.translation - nodes[newest].T_map_base.translation).norm();
     if (distance >= nearest) continue;
     nearest = distance;
@@ -64,8 +65,9 @@ void PlanarLoopCloser::build_map(const PlanarNodes& nodes, std::size_t middle, s
   lines_.clear();
   likelihood_.clear();
   const PlanarPose T_middle_map = nodes[middle].T_map_base.inverse();
+  const double reach_m = std::max<double>(config_.reach_m, config_.reach_ranges * nodes[middle].scan.mean_range_m);
   for (std::size_t i = 0; i < end; ++i) {
-    if (std::abs(nodes[i].way_m - nodes[middle].way_m) > config_.reach_m) continue;
+    if (std::abs(nodes[i].way_m - nodes[middle].way_m) > reach_m) continue;
     const PlanarPose T_middle_base = T_middle_map * nodes[i].T_map_base;
     lines_.add(nodes[i].scan, T_middle_base);
     likelihood_.add(nodes[i].scan.points, T_middle_base);
@@ -75,8 +77,9 @@ void PlanarLoopCloser::build_map(const PlanarNodes& nodes, std::size_t middle, s
 PlanarScan PlanarLoopCloser::stretch(const PlanarNodes& nodes, std::size_t newest) const {
   PlanarScan out;
   out.time = nodes[newest].scan.time;
+  const double stretch_m = std::max<double>(config_.stretch_m, 0.5 * config_.reach_ranges * nodes[newest].scan.mean_range_m);
   const PlanarPose T_newest_odom = nodes[newest].T_odom_base.inverse();
-  for (std::size_t i = newest + 1; i-- > 0 && nodes[newest].way_m - nodes[i].way_m <= config_.stretch_m;) {
+  for (std::size_t i = newest + 1; i-- > 0 && nodes[newest].way_m - nodes[i].way_m <= stretch_m;) {
     append(out, nodes[i].scan, T_newest_odom * nodes[i].T_odom_base);
   }
   return out;

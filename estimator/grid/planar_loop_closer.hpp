@@ -14,14 +14,16 @@ namespace slamd {
 struct PlanarLoopConfig {
   double stretch_m = 4.0;          // of the drive, that is looked up at once, to the newest keyframe
   double reach_m = 8.0;            // of the older drive that makes the map, to both sides of the candidate
-  double least_way_m = 30.0;       // driven since the candidate: what is newer is in the odometry's own map
+  double least_way_m = 15.0;       // driven since the candidate, at least: what is newer is in the odometry's own map
+  double least_way_ranges = 6.0;   // likewise in mean ranges of the scan
+  double reach_ranges = 1.0;       // stretch and reach grow with the mean range likewise
   double radius_m = 4.0;           // candidates so near are looked at in any case, and
   double sigmas = 3.0;             // as far as the odometry may have drifted
   double most_radius_m = 15.0;
   double most_yaw_rad = 0.6;
   std::size_t search_points = 300;
   int search_looks = 200'000;
-  double least_score = 0.5;        // of the search
+  double least_score = 0.4;        // of the search
   double least_inlier_share = 0.6; // of the refined match
   double most_mean_square = 4.0;
   double floor_sigma_m = 0.005;    // of a closure: what two stretches themselves err by

@@ -17,7 +17,9 @@ PlanarMapper::PlanarMapper(const PlanarMapperConfig& config, const PlanarOdometr
     : config_{config}, closer_{config.loops, odometry.local_map.lines, odometry.local_map.likelihood, odometry.matcher} {}
 
 void PlanarMapper::add(const PlanarKeyframe& keyframe) {
-  PlanarNode node{.id = keyframe.id, .T_odom_base = keyframe.T_odom_base};
+  PlanarNode node;
+  node.id = keyframe.id;
+  node.T_odom_base = keyframe.T_odom_base;
   node.T_map_base = T_map_odom() * keyframe.T_odom_base;
   node.relative_covariance = keyframe.relative_covariance;
   node.match_covariance = keyframe.match_covariance;

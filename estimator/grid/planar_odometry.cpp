@@ -150,7 +150,8 @@ void PlanarOdometry::tell(const LineMatch& match) {
   result_.match = match;
   result_.is_keyframe = false;
   const GroupSe2::Tangent way = GroupSe2::minus(prior_.pose(), keyframe_.T_odom_base);
-  const bool is_far = way.head<2>().norm() >= config_.keyframe_distance_m || std::abs(way[2]) >= config_.keyframe_angle_rad;
+  const double far_m = std::max<double>(config_.keyframe_distance_m, config_.keyframe_ranges * scan_.mean_range_m);
+  const bool is_far = way.head<2>().norm() >= far_m || std::abs(way[2]) >= config_.keyframe_angle_rad;
   if (map_.is_empty() || is_far) take_keyframe(keyframes_ == 0 ? 0.0 : way.head<2>().norm() + map_.turn_m() * std::abs(way[2]));
   NavState& state = result_.state;
   state.time = prior_.time();

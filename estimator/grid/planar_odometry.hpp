@@ -33,10 +33,11 @@ struct PlanarOdometryConfig {
   double least_score = 0.3;           // of the search: with less the scan does not fit
   double least_inlier_share = 0.2;    // of a scan's points; with less it is not believed
   int max_unmatched = 10;             // scans in a row; then a new local map is begun where the prior says
-  double keyframe_distance_m = 0.25;
+  double keyframe_distance_m = 0.25;  // at least; and
+  double keyframe_ranges = 0.04;      // likewise in mean ranges of the scan
   double keyframe_angle_rad = 0.15;
-  double drift_m_rtm = 0.001;         // random walk of the local map besides what matching tells
-  double drift_rad_rtm = 0.0002;
+  double drift_m_rtm = 0.002;         // random walk of the local map besides what matching tells
+  double drift_rad_rtm = 0.0005;
   double lost_s = 5.0;                // without a scan that fits
 };
 

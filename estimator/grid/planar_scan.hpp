@@ -14,6 +14,7 @@ struct PlanarScan {
   std::vector<Eigen::Vector2f> points;                      // where rays ended, level frame, one a spacing, metres
   std::vector<Eigen::Vector2f> normals;                     // of the wall at each point, unit, to the LiDAR's side; zero: not seen
   Eigen::Vector2f origin = Eigen::Vector2f::Zero();         // the LiDAR, where rays begin
+  float mean_range_m = 0.0F;                                // of the points, from the LiDAR: how wide the world is
 };
 
 }  // namespace slamd

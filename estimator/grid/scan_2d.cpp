@@ -80,6 +80,9 @@ void Scan2d::cut(const PlanarMotion& motion, const Eigen::Vector3d& up_base, Pla
     level_ = out.points;
     thin(spacing_m *= 2.0, out.points);
   }
+  float sum_m = 0.0F;
+  for (const Eigen::Vector2f& p : out.points) sum_m += (p - out.origin).norm();
+  out.mean_range_m = out.points.empty() ? 0.0F : sum_m / static_cast<float>(out.points.size());
   find_normals(out, spacing_m);
 }
 
