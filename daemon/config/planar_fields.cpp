@@ -37,12 +37,14 @@ Fields matching_fields(PlanarOdometryConfig& c) {
   return {
       {"planar.cell_m", &c.local_map.lines.cell_m, "m", {0.01, 1}, "of the local map; walls are lines through 3 to 5 of them"},
       {"planar.point_sigma_m", &c.local_map.lines.point_sigma_m, "m", kSigma, "noise of a point"},
-      {"planar.local_map_m", &c.local_map.length_m, "m", kMetres, "way after which scans are matched against a newer map"},
+      {"planar.local_map_m", &c.local_map.length_m, "m", kMetres, "way after which scans are matched against a newer map, at least; and"},
+      {"planar.local_map_ranges", &c.local_map.length_ranges, "", {0, 1e4}, "so many mean ranges of a scan"},
       {"planar.search_cell_m", &c.local_map.likelihood.cell_m, "m", {0.01, 1}, "of the correlative search"},
       {"planar.gate_m", &c.matcher.gate_m, "m", kMetres, "points farther from a wall do not count"},
       {"planar.information_scale", &c.matcher.information_scale, "", {1e-4, 1}, "share of residuals that are independent"},
       {"planar.least_inlier_share", &c.least_inlier_share, "", kShare, "of a scan's points on walls; with fewer it is not believed"},
-      {"planar.keyframe_distance_m", &c.keyframe_distance_m, "m", kMetres, "travel between two keyframes"},
+      {"planar.keyframe_distance_m", &c.keyframe_distance_m, "m", kMetres, "travel between two keyframes, at least; and"},
+      {"planar.keyframe_ranges", &c.keyframe_ranges, "", {0, 10}, "so many mean ranges of a scan"},
       {"planar.keyframe_angle_rad", &c.keyframe_angle_rad, "rad", {0.01, 3.14}, "turn between two keyframes"},
       {"planar.lost_s", &c.lost_s, "s", {0.1, 3600}, "without a scan that fits: LOST"},
   };
@@ -53,7 +55,13 @@ Fields map_fields(PlanarMapperConfig& c) {
       {"planar.resolution_m", &c.occupancy.resolution_m, "m", {0.01, 1}, "of the occupancy grid"},
       {"planar.hit_probability", &c.occupancy.hit_probability, "", {0.01, 0.99}, "that a square in which a ray ended is occupied"},
       {"planar.miss_probability", &c.occupancy.miss_probability, "", {0.01, 0.99}, "that a square through which one went is"},
-      {"planar.max_keyframes", &c.max_keyframes, "", {100, 1e6}, "beyond it the oldest are forgotten"},
+      {"planar.use_loops", &c.use_loops, "", {}, "search for places seen before and close loops"},
+      {"planar.loop_radius_m", &c.loops.radius_m, "m", kMetres, "older places so near are looked at whatever the odometry's drift"},
+      {"planar.loop_least_way_m", &c.loops.least_way_m, "m", kMetres, "driven since a place that is looked at, at least"},
+      {"planar.loop_least_score", &c.loops.least_score, "", kShare, "of the search: mean likelihood of the points"},
+      {"planar.loop_least_inlier_share", &c.loops.least_inlier_share, "", kShare, "of the points on walls, to close a loop"},
+      {"planar.byte_budget", &c.byte_budget, "B", {1 << 16, 1e12}, "of the keyframes' points; beyond it the oldest are forgotten"},
+      {"planar.max_keyframes", &c.max_keyframes, "", {100, 1e6}, "likewise"},
   };
 }
 

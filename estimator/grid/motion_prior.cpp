@@ -15,6 +15,7 @@ constexpr double kTurnGap_s = 0.1;
 constexpr double kVelocityShare = 0.8;     // of a measured velocity that is believed
 constexpr double kBiasWalk_rads_rts = 1e-5;
 constexpr double kLeastStep_s = 0.02;      // shorter between two scans: stamps say nothing of the velocity
+constexpr double kScanTurn_rad = 0.002;     // by which two scans err
 constexpr int kKnots = 21;
 
 template <class Samples>
@@ -105,9 +106,10 @@ Eigen::Matrix3d MotionPrior::noise(HostTime end, const PlanarPose& way) const {
   double sigma_m = has_wheels ? config_.wheel_slip * length : 0.5 * config_.accel_mps2 * dt * dt + 0.05 * length;
   double sigma_rad = 0.5 * config_.turn_accel_rads2 * dt * dt;
   if (has_wheels) sigma_rad = std::hypot(config_.wheel_turn_slip * wrap_angle(way.yaw_rad), config_.wheel_turn_rad_m * length);
-  if (turned(time_) && turned(end)) sigma_rad = std::hypot(config_.gyro_rads, bias_sigma_rads_) * dt;
+  const bool has_gyro = turned(time_) && turned(end);
+  if (has_gyro) sigma_rad = std::hypot(config_.gyro_rads, bias_sigma_rads_) * dt;
   sigma_m = std::hypot(sigma_m, config_.least_sigma_m);
-  sigma_rad = std::hypot(sigma_rad, config_.least_sigma_rad);
+  sigma_rad = std::hypot(sigma_rad, has_gyro ? config_.gyro_least_sigma_rad : config_.least_sigma_rad);
   return Eigen::Vector3d{sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad}.asDiagonal();
 }
 
@@ -134,7 +136,7 @@ void MotionPrior::learn_bias(HostTime time, const PlanarPose& T_odom_base) {
   const double dt = to_seconds(time - time_);
   if (!then || !now || dt <= 0.0) return;
   const double measured = (*now - *then - wrap_angle(T_odom_base.yaw_rad - T_odom_base_.yaw_rad)) / dt;
-  const double noise = 2.0 * config_.least_sigma_rad / dt;
+  const double noise = kScanTurn_rad / dt;
   const double variance = bias_sigma_rads_ * bias_sigma_rads_ + kBiasWalk_rads_rts * kBiasWalk_rads_rts * dt;
   const double gain = variance / (variance + noise * noise);
   if (std::abs(measured - bias_rads_) > 5.0 * std::hypot(noise, bias_sigma_rads_)) return;

@@ -21,6 +21,7 @@ struct MotionPriorConfig {
   double gyro_rads = 0.005;           // beyond its bias
   double least_sigma_m = 0.005;       // of any prior
   double least_sigma_rad = 0.005;
+  double gyro_least_sigma_rad = 0.0005;  // likewise where the gyro tells the turn
 };
 
 class MotionPrior {

@@ -156,6 +156,7 @@ int run(const Options& options) {
   }
   if (recording.T_base_lidar) config.value.vehicle.T_base_lidar = *recording.T_base_lidar;
   if (!sensors.lidar && sensors.laser) config.value.mode = "planar";
+  config.value.planar.mapper.use_loops = config.value.planar.mapper.use_loops && !options.no_loops;
   if (config.value.mode == "planar") return run_planar(options, config.value, std::move(sensors));
   replay::Drive drive{std::move(sensors), config.value.estimator.merge};
   replay::Output output{options.out};
