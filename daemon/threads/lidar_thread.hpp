@@ -33,8 +33,8 @@ struct LidarThreadConfig {
 /// What the thread has seen; totals since the start.
 struct LidarReport {
   HostTime last_received;  // of the newest datagram or bytes; only meaningful when decoder.received > 0
-  HostTime last_arrival;   // of the newest packet or scan handed on; only meaningful when packets > 0
-  std::uint64_t packets = 0;  // handed on; scans of a LiDAR in one plane
+  HostTime last_arrival;   // of the newest good packet; only meaningful when packets > 0
+  std::uint64_t packets = 0;  // good ones; of an RPLIDAR capsules, or samples of its standard scan
   LidarStats decoder;
   UdpStats socket;
   LidarSideStats side;  // of the position port

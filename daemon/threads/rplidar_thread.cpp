@@ -47,13 +47,12 @@ void RplidarThread::take(std::span<const std::uint8_t> bytes, HostTime arrival) 
   const std::uint64_t before = parser_.reader_stats().packets;
   parser_.feed(
       bytes, arrival,
-      [this](const LaserScan& scan) {
-        ++now_.packets;
-        now_.last_arrival = scan.arrival;
-        streams_.laser.try_push(scan);
-      },
+      [this](const LaserScan& scan) { streams_.laser.try_push(scan); },
       [&](const RplidarPacket& packet) { session_.take(packet, arrival); });
-  if (parser_.reader_stats().packets != before) session_.heard(arrival);
+  if (parser_.reader_stats().packets == before) return;
+  session_.heard(arrival);
+  now_.packets = parser_.reader_stats().packets;
+  now_.last_arrival = arrival;
 }
 
 void RplidarThread::note() {

@@ -21,6 +21,8 @@ VehicleGeometry turtlebot3_burger() {
   return vehicle;
 }
 
+Pose level_lidar_mount() { return {Eigen::Quaterniond::Identity(), {0.45, 0.02, 1.0}}; }
+
 VehicleGeometry Mounting::actual() const {
   VehicleGeometry out = told;
   if (!lidar_tilt_rad.isZero()) out.T_base_lidar.rotation = told.T_base_lidar.rotation * from_roll_pitch_yaw(lidar_tilt_rad);

@@ -11,6 +11,9 @@ VehicleGeometry reference_vehicle();
 /// A TurtleBot3 Burger: base between its wheels on the floor, the LDS-01 on top (ROBOTIS' robot description; no antenna).
 VehicleGeometry turtlebot3_burger();
 
+/// Of a LiDAR that sees one plane, on the reference vehicle: level, a metre above the ground.
+Pose level_lidar_mount();
+
 struct Mounting {
   VehicleGeometry told = reference_vehicle();                   // what vehicle.yaml says
   Eigen::Vector3d lidar_tilt_rad = Eigen::Vector3d::Zero();  // roll, pitch, yaw in the sensor's own frame: what nobody was told

@@ -87,6 +87,17 @@ SensorClock wheel_clock(const DriveSpec& spec) {
   return clock;
 }
 
+/// An RPLIDAR where nobody mounted it otherwise sits level; an Airy's own IMU is the vehicle's where there is no other.
+DriveSpec fitted(DriveSpec spec) {
+  VehicleGeometry& told = spec.mounting.told;
+  const Pose reference = reference_vehicle().T_base_lidar;
+  const bool unmoved = told.T_base_lidar.translation == reference.translation &&
+                       told.T_base_lidar.rotation.coeffs() == reference.rotation.coeffs();
+  if (spec.lidar_kind == LidarKind::kRplidarA2 && unmoved) told.T_base_lidar = level_lidar_mount();
+  if (spec.lidar_kind == LidarKind::kAiry && !spec.with_imu) told.T_base_imu = told.T_base_lidar * airy_imu_in_lidar();
+  return spec;
+}
+
 /// Runs job(0..count-1) on several threads; which thread takes which index does not matter to the result.
 template <class Job>
 void in_parallel(int threads, std::size_t count, const Job& job) {
@@ -123,19 +134,17 @@ LidarPorts ports_of(LidarKind kind) {
 
 struct Simulation::Parts {
   explicit Parts(const DriveSpec& wanted)
-      : spec{wanted},
+      : spec{fitted(wanted)},
         world{make_world(wanted.world, wanted.seed)},
         path{path_of(world, wanted.course)},
         trajectory{world, path, plan_of(wanted, world, path)},
         traffic{world, trajectory, path, wanted.crowd, wanted.seed},
-        vehicle{wanted.mounting.actual()},
+        vehicle{spec.mounting.actual()},
         planar_lidar{wanted.planar_lidar, {world, traffic, trajectory, vehicle}, wanted.seed},
         imu{wanted.imu, trajectory, vehicle.T_base_imu, imu_clock(wanted), wanted.seed},
         gps{wanted.gps, trajectory, vehicle.p_base_antenna, wanted.seed},
         wheel{wanted.wheel, trajectory, wheel_clock(wanted), wanted.seed},
         injector{wanted.faults, wanted.seed} {
-    if (!spec.with_imu && spec.lidar_kind == LidarKind::kAiry)  // its own IMU is the vehicle's then
-      spec.mounting.told.T_base_imu = spec.mounting.told.T_base_lidar * airy_imu_in_lidar();
     add_packet_sensors();
     if (spec.threads <= 0) spec.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     for (const Fault& fault : spec.faults) {
