@@ -317,13 +317,15 @@ void App::register_sensors() {
   add("gnss", config_.gnss.serial.path, config_.health.gnss,
       [this](HostTime) { return evidence(gnss_.report(), mapping_.state().gnss); },
       [this] { return source_health(gnss_.report()); });
-  add_source("wheel", [this] {
+  const HealthBoard::SourceProbe wheel = [this] {
     SourceHealth health = source_health(wheel_.report());
     health.device = config_.wheel.serial.path;
     health.state = health.received == 0 ? "absent" : "healthy";
     health.reason = "none";
     return health;
-  });
+  };
+  health_.add_source("wheel", wheel);
+  if (!config_.wheel.serial.path.empty()) supervisor_.watch_source("wheel", wheel);
 }
 
 void App::allow_faults() {

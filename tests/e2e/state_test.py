@@ -123,7 +123,7 @@ class State(EndToEndTest):
         answer = self.client.call("dump", name="fault-1")
         folder = answer["result"]["path"]
         self.assertEqual(folder, self.path("dumps/fault-1"))
-        self.assertEqual(sorted(os.listdir(folder)), ["dump.json", "gps.pcap", "imu.pcap", "lidar.pcap", "scan_shares.csv", "slamd.yaml"])
+        self.assertEqual(sorted(os.listdir(folder)), ["dump.json", "gps.pcap", "imu.pcap", "lidar.pcap", "scan_shares.csv", "slamd.yaml", "wheel.pcap"])
         self.assertIn("error", self.client.call("dump", name="fault-1"), "never written over")
         for name in ("../out", "a/b", ".hidden", "x" * 200):
             self.assertIn("error", self.client.call("dump", name=name), name)
