@@ -1,5 +1,6 @@
 #include "drivers/rplidar/rplidar_parser.hpp"
 
+#include <algorithm>
 #include <numbers>
 #include <utility>
 
@@ -10,6 +11,8 @@ using std::chrono::microseconds;
 
 constexpr Duration kLongestPeriod = microseconds{2'000};
 constexpr Duration kShortestPeriod = microseconds{30};
+constexpr double kPeriodSigma_ppm = 10'000.0;  // of what the sensor says of its sample period
+constexpr double kJitter_s = 1.7e-3;           // of arrivals through a USB adapter
 
 bool is_period(Duration period) { return period >= kShortestPeriod && period <= kLongestPeriod; }
 
@@ -65,8 +68,10 @@ void RplidarParser::begin_stream(RplidarAnswer answer) {
   unpacker_.restart();
   is_open_ = false;
   period_ = period_of(answer);
-  SampleClock::Config clock;
-  clock.nominal_period = static_cast<std::int64_t>(samples_of(answer)) * period_;
+  packet_period_ = static_cast<std::int64_t>(samples_of(answer)) * period_;
+  ClockSync::Config clock;
+  clock.envelope.skew_sigma_ppm = kPeriodSigma_ppm;
+  clock.envelope.expected_jitter_s = kJitter_s;
   const double wire_s = 10.0 * static_cast<double>(bytes_of(answer)) / config_.baud;
   clock.min_latency = config_.latency + from_seconds(wire_s);
   clock_.emplace(clock);
@@ -76,11 +81,15 @@ void RplidarParser::begin_stream(RplidarAnswer answer) {
 /// Samples whose directions this packet settles; sample_time_ is then that of the first of them.
 std::span<const RplidarSample> RplidarParser::timed(const RplidarPacket& packet, HostTime arrival) {
   if (!clock_) return {};
+  const std::uint64_t gaps = unpacker_.gaps();
   const std::optional<RplidarSamples> found = unpacker_.take(packet);
   const bool is_node = packet.answer == RplidarAnswer::kScan;
   if (is_node && !found) return {};
   const HostTime before = packet_end_;
-  packet_end_ = clock_->update(arrival);
+  const bool is_next = unpacker_.gaps() == gaps;
+  const Duration passed = arrival - std::exchange(packet_arrival_, arrival);
+  counted_ += (is_next ? 1 : std::max<std::int64_t>(1, (passed + packet_period_ / 2) / packet_period_)) * packet_period_;
+  packet_end_ = clock_->update(counted_, arrival);
   if (!found) return {};
   const HostTime last = found->is_delayed ? before : packet_end_;
   sample_time_ = last - static_cast<std::int64_t>(found->samples.size() - 1) * period_;

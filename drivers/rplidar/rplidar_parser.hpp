@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "drivers/io/sample_clock.hpp"
+#include "drivers/io/clock_sync.hpp"
 #include "drivers/rplidar/rplidar_reader.hpp"
 #include "drivers/rplidar/rplidar_unpacker.hpp"
 #include "estimator/types/laser_scan.hpp"
@@ -66,7 +66,7 @@ class RplidarParser {
   const RplidarReaderStats& reader_stats() const { return reader_.stats(); }
   std::uint64_t gaps() const { return unpacker_.gaps(); }
   /// Of the running stream; nothing before one.
-  const std::optional<SampleClock>& clock() const { return clock_; }
+  const std::optional<ClockSync>& clock() const { return clock_; }
 
  private:
   void note(const RplidarPacket& packet);
@@ -81,8 +81,11 @@ class RplidarParser {
   std::optional<Duration> told_period_;     // of a sample, by the sensor, in its typical mode
   std::optional<RplidarSampleRate> rates_;  // likewise of the older modes
   Duration period_{};
-  std::optional<SampleClock> clock_;
-  HostTime packet_end_;   // of the newest packet's last sample
+  Duration packet_period_{};
+  std::optional<ClockSync> clock_;
+  DeviceTime counted_;       // samples so far, in time
+  HostTime packet_arrival_;  // of the newest packet,
+  HostTime packet_end_;      // and when its last sample was taken
   HostTime sample_time_;  // of the next sample handed to add()
   LaserScan open_, scan_;
   bool is_open_ = false;

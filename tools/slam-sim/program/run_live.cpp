@@ -42,7 +42,7 @@ void raise_priority() {
 class Cables {
  public:
   Cables(const LiveOptions& options, const DriveSpec& drive)
-      : ports_{ports_of(drive.lidar_kind)}, udp_{options.udp_host}, rplidar_{drive.rplidar} {
+      : serial_lidar_{drive.lidar_kind == LidarKind::kRplidarA2}, ports_{ports_of(drive.lidar_kind)}, udp_{options.udp_host}, rplidar_{drive.rplidar} {
     if (!options.lidar_pty.empty()) lidar_ = std::make_unique<PtyPort>(options.lidar_pty);
     if (options.ports.points != 0) ports_.points = options.ports.points;
     if (options.ports.side != 0) ports_.side = options.ports.side;
@@ -56,7 +56,7 @@ class Cables {
     bool sent = true;
     switch (event.channel) {
       case Channel::kLidar:
-        sent = ports_.points != 0 ? udp_.send(ports_.points, event.bytes) : !lidar_ || !rplidar_.is_scanning() || lidar_->write(event.bytes);
+        sent = serial_lidar_ ? !lidar_ || !rplidar_.is_scanning() || lidar_->write(event.bytes) : udp_.send(ports_.points, event.bytes);
         break;
       case Channel::kPosition:
         sent = udp_.send(ports_.side, event.bytes);
@@ -85,6 +85,7 @@ class Cables {
   std::uint64_t unread() const { return unread_; }
 
  private:
+  bool serial_lidar_;
   LidarPorts ports_;
   UdpSender udp_;
   RplidarDevice rplidar_;
