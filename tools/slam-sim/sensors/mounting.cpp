@@ -21,7 +21,7 @@ VehicleGeometry turtlebot3_burger() {
   return vehicle;
 }
 
-Pose level_lidar_mount() { return {Eigen::Quaterniond::Identity(), {0.45, 0.02, 1.0}}; }
+Pose level_lidar_mount() { return {Eigen::Quaterniond::Identity(), {0.45, 0.02, 0.6}}; }
 
 VehicleGeometry Mounting::actual() const {
   VehicleGeometry out = told;

@@ -11,7 +11,7 @@ VehicleGeometry reference_vehicle();
 /// A TurtleBot3 Burger: base between its wheels on the floor, the LDS-01 on top (ROBOTIS' robot description; no antenna).
 VehicleGeometry turtlebot3_burger();
 
-/// Of a LiDAR that sees one plane, on the reference vehicle: level, a metre above the ground.
+/// Of a LiDAR that sees one plane, on the reference vehicle: level, 0.6 m above the ground: higher up a car park or a street has little within 16 m.
 Pose level_lidar_mount();
 
 struct Mounting {
