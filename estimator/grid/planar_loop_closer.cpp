@@ -112,7 +112,8 @@ std::optional<PlanarClosure> PlanarLoopCloser::look(const PlanarNodes& nodes, st
   if (!start) return std::nullopt;
   const PlanarPrior none{*start, kNextToNoPrior * Eigen::Matrix3d::Identity()};
   const LineMatch match = match_lines(lines_, scan, *start, none, matcher_);
-  if (!match.ok || match.inlier_share < config_.least_inlier_share || match.mean_square > config_.most_mean_square) return std::nullopt;
+  const double least_share = std::max(config_.least_inlier_share, config_.least_own_share * nodes[newest].inlier_share);
+  if (!match.ok || match.inlier_share < least_share || match.mean_square > config_.most_mean_square) return std::nullopt;
   PlanarClosure closure{nodes[*place].id, nodes[newest].id, match.T_map_base, match.covariance, 1.0};
   closure.covariance += nodes[newest].match_covariance;
   closure.covariance.diagonal() += Eigen::Vector3d{config_.floor_sigma_m, config_.floor_sigma_m, config_.floor_sigma_rad}.cwiseAbs2();

@@ -23,8 +23,9 @@ struct PlanarLoopConfig {
   double most_yaw_rad = 0.6;
   std::size_t search_points = 300;
   int search_looks = 200'000;
-  double least_score = 0.4;        // of the search
-  double least_inlier_share = 0.6; // of the refined match
+  double least_score = 0.35;        // of the search
+  double least_inlier_share = 0.4; // of the refined match, and
+  double least_own_share = 0.75;   // of what the newest scan had in the odometry's own map
   double most_mean_square = 4.0;
   double floor_sigma_m = 0.005;    // of a closure: what two stretches themselves err by
   double floor_sigma_rad = 0.0007;

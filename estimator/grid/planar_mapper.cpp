@@ -23,6 +23,7 @@ void PlanarMapper::add(const PlanarKeyframe& keyframe) {
   node.T_map_base = T_map_odom() * keyframe.T_odom_base;
   node.relative_covariance = keyframe.relative_covariance;
   node.match_covariance = keyframe.match_covariance;
+  node.inlier_share = keyframe.inlier_share;
   node.scan = keyframe.scan;
   if (!nodes_.empty()) {
     node.way_m = nodes_.back().way_m + (keyframe.T_odom_base.translation - nodes_.back().T_odom_base.translation).norm();

@@ -14,6 +14,7 @@ struct PlanarNode {
   PlanarPose T_odom_base, T_map_base;
   Eigen::Matrix3d relative_covariance = Eigen::Matrix3d::Zero();  // as PlanarKeyframe's
   Eigen::Matrix3d match_covariance = Eigen::Matrix3d::Zero();
+  double inlier_share = 1.0;
   PlanarScan scan;
 };
 

@@ -10,8 +10,31 @@ namespace {
 
 constexpr double kUnknownSigma_m = 1e3;  // of what a plane does not tell: height, and without an IMU roll and pitch
 constexpr double kTiltSigma_rad = 0.005;
+constexpr double kFreeShare = 0.3;       // of a free direction that is position
 constexpr double kSkew_m = 0.01;         // a motion that turned out so far off: the scan is de-skewed anew
 constexpr double kSkew_rad = 0.002;
+
+/// base: x, y, yaw by right perturbation; R_odom_level of the pose.
+Matrix6d in_space(const Eigen::Matrix3d& base, const Eigen::Matrix2d& R, double tilt_sigma_rad) {
+  Matrix6d covariance = Matrix6d::Zero();
+  covariance.topLeftCorner<2, 2>() = R * base.topLeftCorner<2, 2>() * R.transpose();
+  covariance.block<2, 1>(0, 5) = R * base.block<2, 1>(0, 2);
+  covariance.block<1, 2>(5, 0) = covariance.block<2, 1>(0, 5).transpose();
+  covariance(2, 2) = kUnknownSigma_m * kUnknownSigma_m;
+  covariance(3, 3) = covariance(4, 4) = tilt_sigma_rad * tilt_sigma_rad;
+  covariance(5, 5) = base(2, 2);
+  return covariance;
+}
+
+void tell_status(const LineMatch& match, const Eigen::Matrix2d& R, NavState& state) {
+  state.reasons = match.ok ? 0 : bit(StatusReason::kFewInliers);
+  state.degenerate_direction.setZero();
+  if (match.ok && match.free_direction.head<2>().norm() > kFreeShare) {
+    state.reasons |= bit(StatusReason::kDegenerateTranslation);
+    state.degenerate_direction.head<2>() = (R * match.free_direction.head<2>()).normalized();
+  }
+  state.status = state.reasons == 0 ? TrackingStatus::kTracking : TrackingStatus::kDegraded;
+}
 
 }  // namespace
 
@@ -139,6 +162,7 @@ void PlanarOdometry::take_keyframe(double way_m) {
   keyframe_.relative_covariance.diagonal() +=
       way_m * Eigen::Vector3d{config_.drift_m_rtm, config_.drift_m_rtm, config_.drift_rad_rtm}.cwiseAbs2();
   if (!result_.match.ok) keyframe_.relative_covariance = result_.match.covariance;
+  keyframe_.inlier_share = result_.match.inlier_share;
   keyframe_.scan = scan_;
   const Eigen::Matrix3d ad = planar_adjoint((before.inverse() * keyframe_.T_odom_base).inverse());
   drift_ = ad * drift_ * ad.transpose() + keyframe_.relative_covariance;
@@ -161,27 +185,9 @@ void PlanarOdometry::tell(const LineMatch& match) {
   state.T_odom_base.translation = {T.translation.x(), T.translation.y(), 0.0};
   state.velocity_mps = R_odom_level * Eigen::Vector3d{prior_.velocity().x(), prior_.velocity().y(), 0.0};
   state.angular_velocity_rads = {0.0, 0.0, prior_.velocity()[2]};
-  const Eigen::Matrix3d base = drift_ + match.covariance;
-  const Eigen::Matrix2d R = T.rotation();
-  state.covariance.setZero();
-  state.covariance.topLeftCorner<2, 2>() = R * base.topLeftCorner<2, 2>() * R.transpose();
-  state.covariance.block<2, 1>(0, 5) = R * base.block<2, 1>(0, 2);
-  state.covariance.block<1, 2>(5, 0) = state.covariance.block<2, 1>(0, 5).transpose();
-  state.covariance(2, 2) = kUnknownSigma_m * kUnknownSigma_m;
-  const double tilt = tilt_.is_known() ? kTiltSigma_rad : 1.0;
-  state.covariance(3, 3) = state.covariance(4, 4) = tilt * tilt;
-  state.covariance(5, 5) = base(2, 2);
-  state.reasons = 0;
-  const double silent_s = to_seconds(state.time - matched_);
-  if (!match.ok) state.reasons |= bit(StatusReason::kFewInliers);
-  state.degenerate_direction.setZero();
-  if (match.ok && match.free_direction.head<2>().norm() > 0.3) {
-    state.reasons |= bit(StatusReason::kDegenerateTranslation);
-    const Eigen::Vector2d free = (R * match.free_direction.head<2>()).normalized();
-    state.degenerate_direction = {free.x(), free.y(), 0.0};
-  }
-  state.status = state.reasons == 0 ? TrackingStatus::kTracking : TrackingStatus::kDegraded;
-  if (silent_s > config_.lost_s) state.status = TrackingStatus::kLost;
+  state.covariance = in_space(drift_ + match.covariance, T.rotation(), tilt_.is_known() ? kTiltSigma_rad : 1.0);
+  tell_status(match, T.rotation(), state);
+  if (to_seconds(state.time - matched_) > config_.lost_s) state.status = TrackingStatus::kLost;
 }
 
 }  // namespace slamd

@@ -22,7 +22,7 @@ struct PlanarOdometryConfig {
   LineMatcherConfig matcher;
   double sure_sigma_m = 0.1;          // a prior that is surer, and whose scan fits at once,
   double sure_sigma_rad = 0.03;
-  double sure_inlier_share = 0.5;     // with so much of it on walls, needs no search
+  double sure_inlier_share = 0.4;     // with so much of it on walls, needs no search
   double search_sigmas = 3.0;         // of the prior: half width of the correlative search
   double least_search_m = 0.1;
   double most_search_m = 0.5;
@@ -48,6 +48,7 @@ struct PlanarKeyframe {
   /// Of the pose in the previous keyframe's base, by right perturbation: only what adds up over keyframes.
   Eigen::Matrix3d relative_covariance = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d match_covariance = Eigen::Matrix3d::Zero();  // of this scan in the local map: does not add up
+  double inlier_share = 1.0;  // of the scan's points on walls of the local map
   PlanarScan scan;
 };
 

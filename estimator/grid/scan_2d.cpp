@@ -1,6 +1,7 @@
 #include "estimator/grid/scan_2d.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "estimator/grid/scan_normals.hpp"
@@ -24,24 +25,50 @@ void Scan2d::take(const LaserScan& scan) {
   }
 }
 
+/// The ring whose rays run most nearly level, on the whole.
+std::optional<int> Scan2d::level_ring(const Scan& scan) const {
+  struct Slope {
+    float sum = 0.0F, count = 0.0F;
+  };
+  std::array<Slope, 256> slopes{};
+  for (const LidarPoint& point : scan.points) {
+    const float range_m = Eigen::Vector3f{point.x, point.y, point.z}.norm();
+    if (!(range_m > 0.0F)) continue;
+    slopes[point.ring].sum += point.z / range_m;  // of the sensor itself: a mounting that leans tilts all rings alike
+    slopes[point.ring].count += 1.0F;
+  }
+  std::optional<int> best;
+  float least = 1.0F;
+  for (std::size_t ring = 0; ring < slopes.size(); ++ring) {
+    if (slopes[ring].count == 0.0F || std::abs(slopes[ring].sum / slopes[ring].count) >= least) continue;
+    least = std::abs(slopes[ring].sum / slopes[ring].count);
+    best = static_cast<int>(ring);
+  }
+  return best;
+}
+
+/// A lean of 10 degrees moves a point's height by a sixth of its range: what is farther off the band can never be in it.
+bool Scan2d::is_in_reach(const Eigen::Vector3f& p_base, float range_m) const {
+  const float slack = 0.18F * range_m;
+  return p_base.z() >= static_cast<float>(config_.band_low_m) - slack && p_base.z() <= static_cast<float>(config_.band_high_m) + slack;
+}
+
 void Scan2d::take(const Scan& scan) {
   raw_.clear();
-  has_heights_ = true;
+  has_heights_ = !config_.single_ring;
   begin_ = scan.begin;
   end_ = scan.end;
+  const std::optional<int> ring = config_.single_ring ? level_ring(scan) : std::nullopt;
   const auto span_s = static_cast<float>(to_seconds(scan.end - scan.begin));
   const Eigen::Matrix3f R = vehicle_.T_base_lidar.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f t = vehicle_.T_base_lidar.translation.cast<float>();
-  const auto min2 = static_cast<float>(config_.min_range_m * config_.min_range_m);
-  const auto max2 = static_cast<float>(config_.max_range_m * config_.max_range_m);
-  // A lean of 10 degrees moves a point's height by a sixth of its range: what is farther off the band can never be in it.
   for (const LidarPoint& point : scan.points) {
+    if (ring && point.ring != *ring) continue;
     const Eigen::Vector3f p_lidar{point.x, point.y, point.z};
-    const float range2 = p_lidar.squaredNorm();
-    if (!(range2 >= min2 && range2 < max2)) continue;
+    const float range_m = p_lidar.norm();
+    if (!(range_m >= static_cast<float>(config_.min_range_m) && range_m < static_cast<float>(config_.max_range_m))) continue;
     const Eigen::Vector3f p = R * p_lidar + t;
-    const float slack = 0.18F * std::sqrt(range2);
-    if (p.z() < static_cast<float>(config_.band_low_m) - slack || p.z() > static_cast<float>(config_.band_high_m) + slack) continue;
+    if (has_heights_ && !is_in_reach(p, range_m)) continue;
     raw_.push_back({p, static_cast<float>(point.time_offset_ns) * 1e-9F - span_s});
   }
 }

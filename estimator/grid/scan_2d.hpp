@@ -2,7 +2,7 @@
 // Makes the level cut of a scan: of a 2D LiDAR all beams, of a 3D one the returns of all rings in a band of heights, or one
 // ring; de-skewed by the motion. Knows no map.
 
-#include <span>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -48,12 +48,14 @@ class Scan2d {
     Eigen::Vector3f p_base;
     float before_end_s;  // negative
   };
+  std::optional<int> level_ring(const Scan& scan) const;
+  bool is_in_reach(const Eigen::Vector3f& p_base, float range_m) const;
   void thin(double spacing_m, std::vector<Eigen::Vector2f>& out);
 
   VehicleGeometry vehicle_;
   Scan2dConfig config_;
   HostTime begin_, end_;
-  bool has_heights_ = false;  // of a 3D scan: the band counts
+  bool has_heights_ = false;  // of a 3D scan by all rings: the band counts
   std::vector<RawPoint> raw_;
   std::vector<Eigen::Vector2f> level_;
   struct Mean {
