@@ -72,7 +72,8 @@ Result<std::unique_ptr<App>> App::open(const Config& config, const std::string& 
   std::unique_ptr<App> app{
       new App{config, running, version, std::move(publisher).value(), std::move(streams), std::move(lidar).value()}};
   app->resume(std::move(left));
-  app->record(std::move(recorder).value());
+  const Result<void> recording = app->record(std::move(recorder).value(), running, record_folder);
+  if (!recording) return Error{recording.reason()};
   if (!record_folder.empty()) app->watch_recording();
   return app;
 }
@@ -100,8 +101,13 @@ void App::resume(Result<StoredMap> map) {
   mapping_.restore(std::move(map).value(), config_.back_end.loops.clouds.grid);
 }
 
-void App::record(std::unique_ptr<Recorder> recorder) {
+/// target  a file that ends in .mcap is recorded from now on; a folder is the recorder's own affair
+Result<void> App::record(std::unique_ptr<Recorder> recorder, const Config& running, const std::string& target) {
   recorder_ = std::move(recorder);
+  const RecordedDrivers drivers{lidar_model(running.lidar.model).value_or(LidarModel::kVlp16), running.lidar.port, running.lidar.position_port,
+                                running.lidar_decoder, running.imu_frames, running.nmea, running.odometry.scans.assembler, running.vehicle};
+  const Result<void> begun = recorder_->allow_mcap(
+      std::make_unique<McapRecorder>(running.recording, print_config(running), drivers, [this] { return publisher_.newest(); }), target);
   lidar_->record_to(recorder_->lidar());
   imu_.record_to(recorder_->imu());
   gnss_.record_to(recorder_->gnss());
@@ -113,12 +119,27 @@ void App::record(std::unique_ptr<Recorder> recorder) {
   health_.add_object("flight_recorder", [this] {
     return nlohmann::json{{"bytes", recorder_->kept_bytes()}, {"dumps", recorder_->dumps()}, {"failed_dumps", recorder_->failed_dumps()}};
   });
+  health_.add_object("recording", [this] { return to_json(recorder_->mcap()->report()); });
+  return begun;
+}
+
+RecordingControl App::recording_control() {
+  const auto start = [this](const std::string& name, double max_s, double max_bytes) {
+    return recorder_->mcap()->start({name, static_cast<std::uint64_t>(max_bytes), from_seconds(max_s)});
+  };
+  const auto stop = [this]() -> Result<nlohmann::json> {
+    const Result<RecordingReport> recorded = recorder_->mcap()->stop();
+    if (!recorded) return Error{recorded.reason()};
+    return nlohmann::json{{"path", recorded->path}, {"bytes", recorded->bytes}, {"messages", recorded->messages}, {"seconds", recorded->seconds}};
+  };
+  return {start, stop};
 }
 
 void App::watch_recording() {
   supervisor_.watch_source("recording", [this] {
     SourceHealth health;
-    health.state = recorder_->failed() ? "failed" : "healthy";
+    const bool failed = recorder_->failed() || recorder_->mcap()->report().state == std::string_view{"failed"};
+    health.state = failed ? "failed" : "healthy";
     return health;
   });
 }
@@ -149,7 +170,8 @@ App::App(const Config& configured, const Config& config, const std::string& vers
                },
                [this](const PushedOdometry& pushed) {
                  return wheel_.push({pushed.device_us, pushed.x_m, pushed.y_m, pushed.yaw_rad}, host_now());
-               }},
+               },
+               nullptr, recording_control()},
               version} {
   register_probes();
   if (config.health.allow_inject) allow_faults();

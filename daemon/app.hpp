@@ -18,8 +18,8 @@ namespace slamd {
 /// One thread calls all methods.
 class App {
  public:
-  /// Takes all memory that the configuration asks for and binds the LiDAR's ports; fails when it cannot. With a folder
-  /// all that the sensors send is recorded there. kept_page: the pose page of the daemon before this one, if any.
+  /// Takes all memory that the configuration asks for and binds the LiDAR's ports; fails when it cannot. With a folder,
+  /// or a file that ends in .mcap, all that the sensors send is recorded there. kept_page: the pose page of the daemon before this one, if any.
   static Result<std::unique_ptr<App>> open(const Config& config, const std::string& version,
                                            const std::string& record_folder = "", UniqueFd kept_page = {});
   ~App() { stop(); }
@@ -62,7 +62,8 @@ class App {
   template <class Part>
   void start_thread(const ThreadSchedule& schedule, Part& part);
   void tell_refusals(std::set<std::string> reasons);
-  void record(std::unique_ptr<Recorder> recorder);
+  Result<void> record(std::unique_ptr<Recorder> recorder, const Config& running, const std::string& target);
+  RecordingControl recording_control();
   void watch_recording();
   void resume(Result<StoredMap> map);
   void tell_map_events();

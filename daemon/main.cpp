@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
   cli.add_option("--set", launch.overrides, "key=value, e.g. imu.device=/dev/ttyACM0; wins over the file")
       ->allow_extra_args(false);
   cli.add_option("--record", launch.record_folder,
-                 "record all that the sensors send as a drive folder, for slam-replay");
+                 "record all that the sensors send as a drive folder, or as an MCAP file when it ends in .mcap, for slam-replay");
   cli.add_flag("--check", arguments.check, "read the configuration, say what is wrong with it, do not start");
   cli.add_flag("--print-config", arguments.print_config, "print the effective configuration as YAML, do not start");
   cli.add_flag("--rt-check", arguments.rt_check,

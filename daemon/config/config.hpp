@@ -47,6 +47,7 @@ struct Config {
   MapStoreConfig map;
   CheckpointConfig checkpoint;
   FlightRecorderConfig flight_recorder;
+  RecordingConfig recording;
   ServerConfig server;
   HealthConfig health;
   RealTimeConfig real_time;

@@ -182,6 +182,15 @@ Fields flight_recorder_fields(FlightRecorderConfig& c) {
   };
 }
 
+Fields recording_fields(RecordingConfig& c) {
+  return {
+      {"recording.folder", &c.folder, "", kAnyText,
+       "where recordings go (slamctl record); empty = recordings in systemd's state directory, without systemd there are none"},
+      {"recording.max_bytes", &c.max_bytes, "B", {1 << 20, 1e13}, "of one file; then it is closed"},
+      {"recording.max_s", &c.max_length, "s", {1, 604'800}, "of one recording; then it is closed"},
+  };
+}
+
 Fields estimator_thread_fields(EstimatorThreadConfig& c) {
   return {
       {"estimator.hold_back_s",
@@ -263,6 +272,7 @@ Fields config_fields(Config& c) {
   append(fields, map_fields(c.map));
   append(fields, checkpoint_fields(c.checkpoint));
   append(fields, flight_recorder_fields(c.flight_recorder));
+  append(fields, recording_fields(c.recording));
   append(fields, server_fields(c.server));
   append(fields, health_fields(c.health));
   append(fields, real_time_fields(c.real_time));

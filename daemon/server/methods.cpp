@@ -48,7 +48,7 @@ struct Methods::Entry {
 };
 
 std::span<const Methods::Entry> Methods::entries() {
-  static constexpr std::array<Entry, 13> kEntries{{
+  static constexpr std::array<Entry, 15> kEntries{{
       {method::kGetPose, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.pose(params); }},
       {method::kVersion, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.version(params); }},
       {method::kGetStatus, Right::kRead, [](Methods& self, Params& params, Subscriptions&) { return self.tell_status(params); }},
@@ -62,6 +62,8 @@ std::span<const Methods::Entry> Methods::entries() {
       {method::kInject, Right::kControl, [](Methods& self, Params& params, Subscriptions&) { return self.inject(params); }},
       {method::kDump, Right::kControl, [](Methods& self, Params& params, Subscriptions&) { return self.dump(params); }},
       {method::kPushOdometry, Right::kControl, [](Methods& self, Params& params, Subscriptions&) { return self.push_odometry(params); }},
+      {method::kStartRecording, Right::kControl, [](Methods& self, Params& params, Subscriptions&) { return self.start_recording(params); }},
+      {method::kStopRecording, Right::kControl, [](Methods& self, Params& params, Subscriptions&) { return self.stop_recording(params); }},
   }};
   return kEntries;
 }
@@ -254,6 +256,30 @@ Methods::Handled Methods::push_odometry(Params& params) const {
   pushed.device_us = static_cast<std::uint32_t>(device_us);
   if (!sources_.push_odometry || !sources_.push_odometry(pushed)) return RpcError{error::kBusy, "too many readings wait"};
   return Reply{json::object(), {}};
+}
+
+Methods::Handled Methods::start_recording(Params& params) const {
+  const std::string name = params.text("name", "");
+  const double max_s = params.number("max_s", 0.0, 0.0, 604'800.0);
+  const double max_bytes = params.number("max_bytes", 0.0, 0.0, 1e13);
+  if (auto fault = params.fault()) return *std::move(fault);
+  if (!is_plain_file_name(name) || !name.ends_with(".mcap")) return RpcError{error::kRefused, "name must be a plain file name that ends in .mcap"};
+  if (!sources_.recording.start) return RpcError{error::kRefused, "there is no recorder"};
+  return Job{[start = sources_.recording.start, name, max_s, max_bytes](const JobProgress&) -> Outcome {
+    const Result<std::string> path = start(name, max_s, max_bytes);
+    if (!path) return RpcError{error::kWriteFailed, path.reason()};
+    return Reply{{{"path", *path}}, {}};
+  }};
+}
+
+Methods::Handled Methods::stop_recording(Params& params) const {
+  if (auto fault = params.fault()) return *std::move(fault);
+  if (!sources_.recording.stop) return RpcError{error::kRefused, "there is no recorder"};
+  return Job{[stop = sources_.recording.stop](const JobProgress&) -> Outcome {
+    const Result<json> recorded = stop();
+    if (!recorded) return RpcError{error::kWriteFailed, recorded.reason()};
+    return Reply{*recorded, {}};
+  }};
 }
 
 }  // namespace slamd

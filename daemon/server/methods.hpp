@@ -69,6 +69,8 @@ class Methods {
   Handled inject(Params& params) const;
   Handled dump(Params& params) const;
   Handled push_odometry(Params& params) const;
+  Handled start_recording(Params& params) const;
+  Handled stop_recording(Params& params) const;
 
   const ServerConfig& config_;
   ServerSources sources_;

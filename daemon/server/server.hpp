@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "daemon/health/health_board.hpp"
@@ -44,6 +45,14 @@ struct PushedOdometry {
   double yaw_rad = 0.0;
 };
 
+/// Recordings that clients begin and end. Any thread; empty functions: there is no recorder.
+struct RecordingControl {
+  /// 0 of a limit: the configured one. Gives the file's path.
+  std::function<Result<std::string>(const std::string& name, double max_s, double max_bytes)> start{};
+  /// What was recorded, as the answer has it.
+  std::function<Result<nlohmann::json>()> stop{};
+};
+
 /// What the server reads. All must outlive it.
 struct ServerSources {
   const PosePublisher& pose;
@@ -56,6 +65,7 @@ struct ServerSources {
   /// Takes a reading of the wheels, on the server's thread, quickly; false when it cannot.
   std::function<bool(const PushedOdometry& pushed)> push_odometry{};
   const GridStore* grid = nullptr;  // null: not in planar mode
+  RecordingControl recording{};
 };
 
 class Server {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "daemon/server/host_clock.hpp"
 #include "daemon/store/file_name.hpp"
 #include "daemon/threads/pause.hpp"
 #include "daemon/threads/state_directory.hpp"
@@ -56,17 +57,24 @@ std::string FlightRecorderConfig::dump_folder() const {
 Recorder::Recorder(const std::string& config_yaml, const FlightRecorderConfig& flight, const char* lidar_file)
     : config_yaml_{config_yaml},
       flight_{flight},
-      lidar_{lidar_file, WireTap{4096}, FlightRing{flight.span, flight.byte_budget - 3 * (flight.byte_budget / 32)}, {}},  // tap: 5 s
-      imu_{"imu.pcap", WireTap{2048}, FlightRing{flight.span, flight.byte_budget / 32}, {}},                           // 10 s
-      gnss_{"gps.pcap", WireTap{512}, FlightRing{flight.span, flight.byte_budget / 32}, {}},
-      wheel_{"wheel.pcap", WireTap{256}, FlightRing{flight.span, flight.byte_budget / 32}, {}} {}
+      lidar_{lidar_file, WireTap{4096}, FlightRing{flight.span, flight.byte_budget - 3 * (flight.byte_budget / 32)}, RecordedWire::kLidar, {}},  // tap: 5 s
+      imu_{"imu.pcap", WireTap{2048}, FlightRing{flight.span, flight.byte_budget / 32}, RecordedWire::kImu, {}},                           // 10 s
+      gnss_{"gps.pcap", WireTap{512}, FlightRing{flight.span, flight.byte_budget / 32}, RecordedWire::kGnss, {}},
+      wheel_{"wheel.pcap", WireTap{256}, FlightRing{flight.span, flight.byte_budget / 32}, RecordedWire::kWheel, {}} {}
 
 Result<std::unique_ptr<Recorder>> Recorder::open(const std::string& folder, const std::string& config_yaml,
                                                  const FlightRecorderConfig& flight, const char* lidar_file) {
   std::unique_ptr<Recorder> recorder{new Recorder{config_yaml, flight, lidar_file}};
-  const Result<void> recording = folder.empty() ? Result<void>{} : recorder->record_to(folder);
+  const Result<void> recording = folder.empty() || folder.ends_with(".mcap") ? Result<void>{} : recorder->record_to(folder);
   if (!recording) return Error{recording.reason()};
   return recorder;
+}
+
+Result<void> Recorder::allow_mcap(std::unique_ptr<McapRecorder> mcap, const std::string& target) {
+  mcap_ = std::move(mcap);
+  if (!target.ends_with(".mcap")) return {};
+  const Result<std::string> begun = mcap_->start_at(target, {});
+  return begun ? Result<void>{} : Error{begun.reason()};
 }
 
 Result<void> Recorder::record_to(const std::string& folder) {
@@ -90,10 +98,12 @@ Result<void> Recorder::record_to(const std::string& folder) {
 void Recorder::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     drain();
+    if (mcap_) mcap_->settle(host_now());
     take_request();
     pause_for(kPollPeriod);
   }
   drain();
+  if (mcap_) mcap_->finish();
   take_request();
 }
 
@@ -111,6 +121,7 @@ bool Recorder::drain_shares() {
   bool good = true;
   for (; const LimitedScan* scan = limited_.front(); limited_.pop()) {
     if (shares_) good = static_cast<bool>(write_share(*shares_, *scan));
+    if (mcap_) mcap_->take(*scan);
     const std::lock_guard lock{mutex_};
     std::erase_if(kept_shares_, [&](const LimitedScan& kept) { return scan->end - kept.end > flight_.span; });
     kept_shares_.push_back(*scan);
@@ -122,6 +133,7 @@ bool Recorder::drain_shares() {
 bool Recorder::drain(Wire& wire) {
   const bool any = wire.tap.drain([&](const UdpPacket& read) {
     if (wire.file) wire.file->write(read);
+    if (mcap_) mcap_->take(wire.wire, read);
     if (flight_.span > Duration{}) wire.kept.add(read);
   });
   return !any || !wire.file || static_cast<bool>(wire.file->flush());

@@ -18,6 +18,7 @@
 
 #include "daemon/ring/spsc_ring.hpp"
 #include "daemon/threads/flight_ring.hpp"
+#include "daemon/threads/mcap_recorder.hpp"
 #include "daemon/threads/scan_budget.hpp"
 #include "drivers/io/pcap_sink.hpp"
 #include "drivers/io/udp_packet.hpp"
@@ -78,6 +79,10 @@ class Recorder {
   [[nodiscard]] static Result<std::unique_ptr<Recorder>> open(const std::string& folder, const std::string& config_yaml,
                                                               const FlightRecorderConfig& flight = {},
                                                               const char* lidar_file = "lidar.pcap");
+  /// Before run(): recordings as MCAP may be asked for. `target` that ends in .mcap is recorded from the start on.
+  Result<void> allow_mcap(std::unique_ptr<McapRecorder> mcap, const std::string& target = "");
+  /// Null without allow_mcap().
+  McapRecorder* mcap() { return mcap_.get(); }
 
   WireTap& lidar() { return lidar_.tap; }
   WireTap& imu() { return imu_.tap; }
@@ -109,6 +114,7 @@ class Recorder {
     const char* file_name;
     WireTap tap;
     FlightRing kept;
+    RecordedWire wire;
     std::optional<PcapSink> file;  // none: not recorded from the start on
   };
   struct Request {
@@ -127,6 +133,7 @@ class Recorder {
 
   const std::string config_yaml_;
   const FlightRecorderConfig flight_;
+  std::unique_ptr<McapRecorder> mcap_;
   Wire lidar_;
   Wire imu_;
   Wire gnss_;

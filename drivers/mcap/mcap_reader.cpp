@@ -68,8 +68,7 @@ const McapMessage* McapReader::next() {
     const bool is_damaged = !record || !record->is_whole || record->op == McapOp{0};
     if (is_damaged) {
       blame("a record breaks off or its length is wrong");
-      if (record && record->op == McapOp::kChunk) open_chunk(*record);
-      search();
+      if (!record || record->op != McapOp::kChunk || !enter(*record)) search();
       continue;
     }
     at_ += kMcapRecordHead + record->content.size();
@@ -137,6 +136,18 @@ void McapReader::open_chunk(const Record& record) {
   if (is_cut) give_up("a chunk breaks off: its whole messages are used");
   if (!is_cut && chunk->crc != 0 && crc32_of(records.bytes) != chunk->crc) return give_up("the checksum of a chunk is wrong");
   chunk_ = std::move(records);
+}
+
+/// Of a chunk that breaks off, what is there: uncompressed records are the file's next ones. False: it has to be searched behind.
+bool McapReader::enter(const Record& record) {
+  const std::optional<McapChunk> chunk = parse_chunk(record.content);
+  if (chunk && chunk->compression == Compression::kNone) {
+    ++damage_.chunks;
+    at_ += kMcapRecordHead + static_cast<std::size_t>(chunk->records.data() - record.content.data());
+    return true;
+  }
+  open_chunk(record);
+  return false;
 }
 
 /// A record that cannot have come about by chance: a whole chunk, or a message of a known channel with a record behind it.

@@ -57,6 +57,7 @@ class McapReader {
   const McapMessage* next_of_chunk();
   const McapMessage* take(const Record& record);
   void open_chunk(const Record& record);
+  bool enter(const Record& record);
   void search();
   void blame(const char* reason);
 

@@ -101,6 +101,23 @@ SentenceMessage SentenceMessage::read(MessageReader& from) {
   return message;
 }
 
+RawReadMessage RawReadMessage::read(MessageReader& from) {
+  RawReadMessage message;
+  const auto source = from.take(message.source.size());
+  if (source.size() == message.source.size()) std::copy(source.begin(), source.end(), message.source.begin());
+  message.source_port = from.number<std::uint16_t>();
+  message.destination_port = from.number<std::uint16_t>();
+  message.bytes = from.byte_sequence();
+  return message;
+}
+
+ScanShareMessage ScanShareMessage::read(MessageReader& from) {
+  ScanShareMessage message;
+  message.scan_end_host_ns = from.number<std::int64_t>();
+  message.share = from.f64();
+  return message;
+}
+
 std::optional<std::int64_t> read_stamp_ns(std::span<const std::uint8_t> bytes, RosEncoding encoding) {
   MessageReader reader{bytes, encoding};
   const std::int64_t stamp_ns = reader.header_stamp_ns();

@@ -83,6 +83,23 @@ struct SentenceMessage {
   static SentenceMessage read(MessageReader& from);
 };
 
+/// Of slamd's own recordings: a read of a device as the host got it.
+struct RawReadMessage {
+  static constexpr std::string_view kType = "slamd_msgs/RawRead";
+  std::array<std::uint8_t, 16> source{};
+  std::uint16_t source_port = 0, destination_port = 0;
+  std::span<const std::uint8_t> bytes;
+  static RawReadMessage read(MessageReader& from);
+};
+
+/// Likewise: a scan for which the estimator had too little time.
+struct ScanShareMessage {
+  static constexpr std::string_view kType = "slamd_msgs/ScanShare";
+  std::int64_t scan_end_host_ns = 0;
+  double share = 1.0;
+  static ScanShareMessage read(MessageReader& from);
+};
+
 /// The message in `bytes`, or nothing when they are none. Bytes behind its last field are left alone.
 template <class Message>
 std::optional<Message> read_message(std::span<const std::uint8_t> bytes, RosEncoding encoding) {

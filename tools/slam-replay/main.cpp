@@ -8,6 +8,7 @@
 #include "daemon/config/config.hpp"
 #include "daemon/store/cloud_file.hpp"
 #include "tools/slam-replay/back_end_output.hpp"
+#include "tools/slam-replay/bag/own_recording.hpp"
 #include "tools/slam-replay/injected_loops.hpp"
 #include "tools/slam-replay/planar_replay.hpp"
 #include "tools/slam-replay/recording.hpp"
@@ -96,12 +97,23 @@ void take_over(const DriveVehicle& drive, Config& config, bool is_drive_folder) 
   config.lidar.position_port = ports_of(*model).side;
 }
 
+/// Path of the recording's own configuration, empty when it has none; that of an MCAP file is put beside the results.
+std::string own_config(const Options& options) {
+  const std::string beside = options.drive + "/slamd.yaml";
+  if (std::filesystem::is_directory(options.drive)) return std::filesystem::exists(beside) ? beside : "";
+  const std::optional<std::string> text =
+      replay::is_own_recording(options.drive) ? replay::recorded_config(options.drive) : std::nullopt;
+  std::error_code error;
+  std::filesystem::create_directories(options.out, error);
+  const std::string copied = options.out + "/slamd.yaml";
+  return text && write_text(*text, copied) ? copied : "";
+}
+
 /// The configuration as told, else the recording's own; then what vehicle.yaml beside the recording says.
 Loaded<Config> configuration(const Options& options) {
   const bool is_folder = std::filesystem::is_directory(options.drive);
-  const std::string recorded_config = options.drive + "/slamd.yaml";
-  const bool take_recorded = options.config.empty() && is_folder && std::filesystem::exists(recorded_config);
-  Loaded<Config> config = load_config(take_recorded ? recorded_config : options.config, options.overrides);
+  Loaded<Config> config = load_config(options.config.empty() ? own_config(options) : options.config, options.overrides);
+  if (!is_folder && replay::is_own_recording(options.drive)) return config;  // it says where its sensors were
   const std::string vehicle_path = replay::folder_of(options.drive) + "/vehicle.yaml";
   if (!config.faults.empty() || !std::filesystem::exists(vehicle_path)) return config;
   Loaded<DriveVehicle> vehicle = load_drive_vehicle(vehicle_path);

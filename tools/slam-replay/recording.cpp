@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "tools/slam-replay/bag/own_recording.hpp"
 #include "tools/slam-replay/drive/carmen_log.hpp"
 #include "tools/slam-replay/drive/drive_folder.hpp"
 
@@ -34,7 +35,9 @@ bool is_empty(const Sensors& sensors) { return !sensors.lidar && !sensors.imu &&
 Recording open_recording(const std::string& path, const TopicWishes& wishes, const DriverConfigs& drivers) {
   std::error_code error;
   Recording recording;
-  if (is_bag(path)) {
+  if (wishes.empty() && is_own_recording(path)) {
+    recording.sensors = open_own_recording(path, drivers);
+  } else if (is_bag(path)) {
     recording = open_bag_recording(path, wishes, drivers);
   } else if (std::filesystem::is_directory(path, error)) {
     recording.sensors = open_drive_folder(path, drivers);

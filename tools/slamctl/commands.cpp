@@ -180,6 +180,21 @@ int dump(client::Connection& daemon, const Options& options) {
   return kOk;
 }
 
+int start_recording(client::Connection& daemon, const Options& options) {
+  const json params = {{"name", options.file}, {"max_s", options.max_s}, {"max_bytes", options.max_mb * 1e6}};
+  const json result = daemon.call(method::kStartRecording, params).result;
+  std::cout << (options.json ? result.dump() : result.value("path", "")) << '\n';
+  return kOk;
+}
+
+int stop_recording(client::Connection& daemon, const Options& options) {
+  const json result = daemon.call(method::kStopRecording).result;
+  const std::string text = result.value("path", "") + ": " + std::to_string(result.value("messages", std::uint64_t{0})) + " messages, " +
+                           std::to_string(result.value("bytes", std::uint64_t{0})) + " bytes";
+  std::cout << (options.json ? result.dump() : text) << '\n';
+  return kOk;
+}
+
 int show_doctor(const Options& options) {
   doctor::Wanted wanted;
   wanted.lidar_address = options.lidar_address;

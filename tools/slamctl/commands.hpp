@@ -29,6 +29,8 @@ struct Options {
   std::string sensor, verb;  // of inject
   double for_s = 10.0;
   std::string lidar_address = doctor::Wanted{}.lidar_address;
+  double max_s = 0.0;   // of a recording; 0: the daemon's own limits
+  double max_mb = 0.0;
   std::vector<double> box;  // min x y z, max x y z, or empty
 };
 
@@ -45,6 +47,8 @@ int save_map(client::Connection& daemon, const Options& options);
 int save_grid(client::Connection& daemon, const Options& options);
 int save_trajectory(client::Connection& daemon, const Options& options);
 int dump(client::Connection& daemon, const Options& options);
+int start_recording(client::Connection& daemon, const Options& options);
+int stop_recording(client::Connection& daemon, const Options& options);
 
 /// What is wrong with machine and daemon; kFailed when anything is, a daemon that does not answer among it.
 int show_doctor(const Options& options);

@@ -22,6 +22,7 @@ constexpr const char* kFooter =
     "  slamctl top --once\n"
     "  slamctl inject imu stuck --for 5\n"
     "  slamctl dump --out before-the-workshop\n"
+    "  slamctl record start morning.mcap --max-s 600\n"
     "  slamctl map save campus.pcd --voxel 0.1 --box -50 -50 -5 50 50 20\n"
     "  slamctl grid --out house.pgm\n"
     "  slamctl trajectory save drive.tum";
@@ -38,6 +39,17 @@ void add_map(CLI::App& cli, Options& options) {
   save->add_option("--voxel", options.voxel_size_m, "at most one point in each voxel of so many metres")
       ->check(CLI::Range(0.01, 100.0))->capture_default_str();
   save->add_option("--box", options.box, "only inside: min x y z max x y z, metres in map")->expected(6);
+}
+
+void add_record(CLI::App& cli, Options& options) {
+  CLI::App* record = cli.add_subcommand("record", "have the daemon record its sensors as MCAP, for slam-replay, Foxglove and ROS 2")->require_subcommand(1);
+  CLI::App* start = record->add_subcommand("start", "until stop, a limit, or the daemon's end");
+  const auto extension = [](const std::string& name) { return name.ends_with(".mcap") ? std::string{} : "must end in .mcap"; };
+  start->add_option("FILE", options.file, "name of the file among the daemon's recordings: FILE.mcap")->required()->check(extension);
+  start->add_option("--max-s", options.max_s, "seconds; 0: recording.max_s of the configuration, never more")->check(CLI::Range(0.0, 604'800.0));
+  start->add_option("--max-mb", options.max_mb, "megabytes; 0: recording.max_bytes of the configuration, never more")->check(CLI::Range(0.0, 1e7));
+  record->add_subcommand("stop", "close the file");
+  for (CLI::App* sub : record->get_subcommands({})) sub->fallthrough();
 }
 
 void add_grid(CLI::App& cli, Options& options) {
@@ -91,6 +103,7 @@ void add_commands(CLI::App& cli, Options& options) {
   add_inject(cli, options);
   add_map(cli, options);
   add_grid(cli, options);
+  add_record(cli, options);
   CLI::App* trajectory = cli.add_subcommand("trajectory", "the path driven so far")->require_subcommand(1);
   trajectory->add_subcommand("save", "write it as TUM text (base in odom)")
       ->add_option("FILE", options.file, "what to write")->required();
@@ -107,6 +120,7 @@ Command chosen(const CLI::App& cli) {
   if (cli.got_subcommand("top")) return show_top;
   if (cli.got_subcommand("inject")) return inject;
   if (cli.got_subcommand("dump")) return dump;
+  if (cli.got_subcommand("record")) return cli.get_subcommand("record")->got_subcommand("start") ? start_recording : stop_recording;
   if (cli.got_subcommand("grid")) return save_grid;
   return cli.got_subcommand("map") ? save_map : save_trajectory;
 }

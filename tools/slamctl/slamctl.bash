@@ -3,7 +3,7 @@ _slamctl() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command="" sub="" word
   for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
     case $word in
-      status | doctor | metrics | top | pose | inject | map | grid | trajectory | dump) [[ -z $command ]] && command=$word ;;
+      status | doctor | metrics | top | pose | inject | map | grid | trajectory | dump | record) [[ -z $command ]] && command=$word ;;
       save) sub=save ;;
     esac
   done
@@ -13,9 +13,10 @@ _slamctl() {
   esac
   local general="--socket --json --timeout --help" words=""
   case $command in
-    "") words="status doctor metrics top pose inject map grid trajectory dump $general" ;;
+    "") words="status doctor metrics top pose inject map grid trajectory dump record $general" ;;
     metrics) words=$general ;;
     status) words="--watch --interval --count $general" ;;
+    record) words="start stop --max-s --max-mb $general" ;;
     dump | grid) words="--out $general" ;;
     doctor) words="--lidar $general" ;;
     pose) words="--follow --rate --count $general" ;;

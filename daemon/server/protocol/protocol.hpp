@@ -39,6 +39,8 @@ inline constexpr const char* kSaveMap = "save_map";
 inline constexpr const char* kInject = "inject";
 inline constexpr const char* kDump = "dump";
 inline constexpr const char* kPushOdometry = "push_odometry";
+inline constexpr const char* kStartRecording = "start_recording";
+inline constexpr const char* kStopRecording = "stop_recording";
 }  // namespace method
 
 /// Methods of the notifications that the daemon sends.

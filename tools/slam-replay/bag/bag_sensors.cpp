@@ -90,7 +90,9 @@ class SensorMaker {
 };
 
 std::string wrong_wish(const std::vector<TopicUse>& uses, const TopicWishes& wishes) {
-  for (const auto& [role, name] : wishes) {
+  for (const auto& wish : wishes) {
+    const std::string& role = wish.first;
+    const std::string& name = wish.second;
     const bool is_role = std::any_of(kCandidates.begin(), kCandidates.end(), [&](const Candidate& c) { return c.role == role; });
     if (!is_role) return "--topic " + role + "=" + name + ": a topic may be lidar, imu, gps, odometry or scan";
     if (name.empty()) continue;

@@ -8,32 +8,54 @@
 
 #include "drivers/io/host_ns.hpp"
 #include "drivers/mcap/compression.hpp"
+#include "tools/slam-replay/bag/mapped_file.hpp"
 
 namespace slamd::replay {
 namespace {
 
 constexpr std::int64_t kMostMisses = 100'000;  // rows asked for one by one behind a damaged page
 constexpr std::size_t kMostMessageBytes = 1U << 30U;
+constexpr std::size_t kShortMessage = 256;  // lies on one page
+constexpr std::ptrdiff_t kTail = 16;
 
-using Database = std::unique_ptr<sqlite3, decltype(&sqlite3_close_v2)>;
 using Statement = std::unique_ptr<sqlite3_stmt, decltype(&sqlite3_finalize)>;
 
-/// Null when it cannot be opened at all.
-Database open_file(const std::string& path) {
-  sqlite3* raw = nullptr;
-  // immutable: no locks and no journal beside the file, which may lie where nothing can be written.
-  std::string uri = "file:";
-  for (const char c : path) uri += c == '?' || c == '#' || c == '%' ? '_' : c;
-  uri += "?immutable=1";
-  const bool is_plain = path.find_first_of("?#%") == std::string::npos;
-  const int opened = is_plain ? sqlite3_open_v2(uri.c_str(), &raw, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr)
-                              : sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READONLY, nullptr);
-  Database database{raw, &sqlite3_close_v2};
-  if (opened != SQLITE_OK) return {nullptr, &sqlite3_close_v2};
-  sqlite3_exec(raw, "PRAGMA writable_schema=ON", nullptr, nullptr, nullptr);  // lets a file that breaks off be read
-  sqlite3_exec(raw, "PRAGMA cell_size_check=ON", nullptr, nullptr, nullptr);
-  return database;
-}
+/// One SQLite file in memory as far as its pages are whole: SQLite reads zeros behind a file's end, not an error.
+class Database {
+ public:
+  explicit Database(const std::string& path) : file_{MappedFile::open(path)} {
+    if (!file_ || file_->bytes().size() < kHeadBytes) return;
+    const auto bytes = file_->bytes();
+    const std::size_t told = static_cast<std::size_t>(bytes[16]) << 8U | bytes[17];
+    const std::size_t page = told == 1 ? 65'536 : std::max<std::size_t>(512, told);
+    const std::size_t whole = bytes.size() / page * page;
+    is_cut_ = whole != bytes.size() || whole / page < big_endian(bytes.subspan(28, 4));
+    bytes[18] = bytes[19] = 1;  // a write-ahead log that may lie beside the file is not read
+    sqlite3* raw = nullptr;
+    sqlite3_open(":memory:", &raw);
+    handle_.reset(raw);
+    const auto size = static_cast<sqlite3_int64>(whole);
+    if (sqlite3_deserialize(raw, "main", bytes.data(), size, size, SQLITE_DESERIALIZE_READONLY) != SQLITE_OK) handle_.reset();
+    sqlite3_exec(raw, "PRAGMA writable_schema=ON", nullptr, nullptr, nullptr);  // lets a file that breaks off be read
+    sqlite3_exec(raw, "PRAGMA cell_size_check=ON", nullptr, nullptr, nullptr);
+  }
+
+  sqlite3* get() const { return handle_.get(); }
+  /// The file is shorter than it says.
+  bool is_cut() const { return is_cut_; }
+
+ private:
+  static constexpr std::size_t kHeadBytes = 100;
+  static std::size_t big_endian(std::span<const std::uint8_t> bytes) {
+    std::size_t value = 0;
+    for (const std::uint8_t byte : bytes) value = value << 8U | byte;
+    return value;
+  }
+
+  std::optional<MappedFile> file_;
+  std::unique_ptr<sqlite3, decltype(&sqlite3_close)> handle_{nullptr, &sqlite3_close};
+  bool is_cut_ = false;
+};
 
 Statement prepare(sqlite3* database, const char* sql) {
   sqlite3_stmt* raw = nullptr;
@@ -54,7 +76,7 @@ bool is_zstd(std::span<const std::uint8_t> bytes) {
 class Rows {
  public:
   Rows(const std::string& path, std::int64_t topic_id)
-      : path_{path}, database_{open_file(path)}, range_{prepare(database_.get(), "SELECT id, timestamp, data FROM messages WHERE id > ?1 AND topic_id = ?2 ORDER BY id")},
+      : path_{path}, database_{path}, range_{prepare(database_.get(), "SELECT id, timestamp, data FROM messages WHERE id > ?1 AND topic_id = ?2 ORDER BY id")},
         single_{prepare(database_.get(), "SELECT id, timestamp, data FROM messages WHERE id = ?1 AND topic_id = ?2")}, topic_id_{topic_id} {
     begin(range_.get(), 0);
   }
@@ -72,6 +94,7 @@ class Rows {
     return nullptr;
   }
 
+  bool is_cut() const { return database_.is_cut(); }
   const BagDamage& found() const { return damage_; }
   void damage(int answer) {
     ++damage_.places;
@@ -124,7 +147,7 @@ class Db3Cursor : public BagCursor {
 
   const BagMessage* next() override {
     for (; part_ < parts_.size(); ++part_, rows_.reset()) {
-      if (!rows_) rows_.emplace(parts_[part_].path, parts_[part_].topic_id);
+      if (!rows_) rows_ = std::make_unique<Rows>(parts_[part_].path, parts_[part_].topic_id);
       while (sqlite3_stmt* row = rows_->next()) {
         if (take(row)) return &message_;
       }
@@ -143,7 +166,10 @@ class Db3Cursor : public BagCursor {
     const std::int64_t recorded_ns = sqlite3_column_int64(row, 1);
     const auto* blob = static_cast<const std::uint8_t*>(sqlite3_column_blob(row, 2));
     std::span bytes{blob, static_cast<std::size_t>(sqlite3_column_bytes(row, 2))};
-    if (blob == nullptr || !is_host_ns(recorded_ns)) {
+    // Where a file breaks off the last page of a long message may be missing, which SQLite reads as zeros.
+    const bool has_end = !rows_->is_cut() || bytes.size() < kShortMessage ||
+                         std::any_of(bytes.end() - kTail, bytes.end(), [](std::uint8_t byte) { return byte != 0; });
+    if (blob == nullptr || !is_host_ns(recorded_ns) || !has_end) {
       rows_->damage(SQLITE_CORRUPT);
       return false;
     }
@@ -168,7 +194,7 @@ class Db3Cursor : public BagCursor {
   std::vector<Part> parts_;
   std::uint64_t expected_;
   std::size_t part_ = 0;
-  std::optional<Rows> rows_;
+  std::unique_ptr<Rows> rows_;
   Decompressed plain_;
   BagMessage message_;
   BagDamage damage_;
@@ -179,8 +205,8 @@ class Db3Bag : public Bag {
  public:
   /// Why it cannot be read; empty: it can.
   std::string add(const std::string& path) {
-    const Database database = open_file(path);
-    if (!database) return path + ": cannot be opened as an SQLite file";
+    const Database database{path};
+    if (database.get() == nullptr) return path + ": cannot be opened as an SQLite file";
     const Statement rows = prepare(database.get(), "SELECT id, name, type, serialization_format FROM topics");
     if (!rows) return path + ": is no ROS 2 bag: " + sqlite3_errmsg(database.get());
     int answer = SQLITE_ROW;

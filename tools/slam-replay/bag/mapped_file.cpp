@@ -16,16 +16,16 @@ std::optional<MappedFile> MappedFile::open(const std::string& path) {
   if (!fd || ::fstat(fd.get(), &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size == 0) return MappedFile{{}};
-  void* const mapped = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd.get(), 0);
+  void* const mapped = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE, fd.get(), 0);
   if (mapped == MAP_FAILED) return std::nullopt;
   ::madvise(mapped, size, MADV_SEQUENTIAL);
-  return MappedFile{{static_cast<const std::uint8_t*>(mapped), size}};
+  return MappedFile{{static_cast<std::uint8_t*>(mapped), size}};
 }
 
 MappedFile::MappedFile(MappedFile&& other) noexcept : bytes_{std::exchange(other.bytes_, {})} {}
 
 MappedFile::~MappedFile() {
-  if (!bytes_.empty()) ::munmap(const_cast<std::uint8_t*>(bytes_.data()), bytes_.size());
+  if (!bytes_.empty()) ::munmap(bytes_.data(), bytes_.size());
 }
 
 }  // namespace slamd::replay

@@ -1,5 +1,5 @@
 #pragma once
-// A file as bytes in memory, without reading it in: mapped, read-only. The file must not be made shorter while it is open.
+// A file as bytes in memory, without reading it in: mapped; the file is never changed. The file must not be made shorter while it is open.
 
 #include <cstdint>
 #include <optional>
@@ -17,10 +17,12 @@ class MappedFile {
   ~MappedFile();
 
   std::span<const std::uint8_t> bytes() const { return bytes_; }
+  /// Changes stay in this process's memory.
+  std::span<std::uint8_t> bytes() { return bytes_; }
 
  private:
-  explicit MappedFile(std::span<const std::uint8_t> bytes) : bytes_{bytes} {}
-  std::span<const std::uint8_t> bytes_;
+  explicit MappedFile(std::span<std::uint8_t> bytes) : bytes_{bytes} {}
+  std::span<std::uint8_t> bytes_;
 };
 
 }  // namespace slamd::replay

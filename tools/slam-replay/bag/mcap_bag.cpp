@@ -49,6 +49,7 @@ class McapCursor : public BagCursor {
   }
 
   double progress() const override {
+    if (reader_.is_closed()) return 1.0;  // what is behind is the summary
     return static_cast<double>(reader_.position()) / static_cast<double>(std::max<std::size_t>(1, file_->mapped.bytes().size()));
   }
 

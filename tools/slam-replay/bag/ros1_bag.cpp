@@ -38,22 +38,17 @@ class Ros1Cursor : public BagCursor {
 
 /// What the index at the bag's end says; false when there is none or it is not whole.
 bool read_index(std::span<const std::uint8_t> file, Connections& connections, Counts& counts) {
-  const auto header = parse_ros1_record(file.subspan(kRos1Magic.size()));
-  if (!header || header->op != Ros1Op::kBagHeader || header->index_at == 0 || header->index_at >= file.size()) return false;
-  for (std::size_t at = header->index_at; at < file.size();) {
-    const auto record = parse_ros1_record(file.subspan(at));
-    if (!record || !record->is_whole) return false;
-    at += record->bytes;
-    if (record->op == Ros1Op::kConnection) {
-      connections[record->connection] = {std::string{record->topic}, std::string{ros1_field(record->body, "type").value_or("")}};
+  const bool is_whole = visit_ros1_index(file, [&](const Ros1Record& record) {
+    if (record.op == Ros1Op::kConnection) {
+      connections[record.connection] = {std::string{record.topic}, std::string{ros1_field(record.body, "type").value_or("")}};
     }
-    if (record->op != Ros1Op::kChunkInfo) continue;
-    for (ByteReader from{record->body}; from.remaining() >= 8;) {
+    if (record.op != Ros1Op::kChunkInfo) return;
+    for (ByteReader from{record.body}; from.remaining() >= 8;) {
       const std::uint32_t connection = from.u32_le();
       counts[connection] += from.u32_le();
     }
-  }
-  return !connections.empty();
+  });
+  return is_whole && !connections.empty();
 }
 
 void read_all(const File& file, Connections& connections, Counts& counts) {

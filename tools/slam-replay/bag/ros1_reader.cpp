@@ -7,7 +7,12 @@
 namespace slamd::replay {
 
 Ros1Reader::Ros1Reader(std::span<const std::uint8_t> file, std::string path, std::function<bool(const Ros1Connection&)> wanted)
-    : file_{file}, path_{std::move(path)}, wanted_{std::move(wanted)} {}
+    : file_{file}, path_{std::move(path)}, wanted_{std::move(wanted)} {
+  // A damaged record within a chunk then costs no connection.
+  visit_ros1_index(file_, [this](const Ros1Record& record) {
+    if (record.op == Ros1Op::kConnection) take(record);
+  });
+}
 
 const BagMessage* Ros1Reader::next() {
   while (true) {
@@ -17,8 +22,7 @@ const BagMessage* Ros1Reader::next() {
     const std::optional<Ros1Record> record = parse_ros1_record(file_.subspan(at_));
     if (!record || !record->is_whole) {
       blame("a record breaks off or is damaged");
-      if (record && record->op == Ros1Op::kChunk) open_chunk(*record);
-      search();
+      if (!record || record->op != Ros1Op::kChunk || !enter(*record)) search();
       continue;
     }
     at_ += record->bytes;
@@ -68,6 +72,16 @@ void Ros1Reader::open_chunk(const Ros1Record& record) {
     blame("a chunk cannot be decompressed to its end: its whole messages are used");
     chunk_.whole = false;
   }
+}
+
+/// Of a chunk that breaks off, what is there: uncompressed records are the file's next ones. False: it has to be searched behind.
+bool Ros1Reader::enter(const Ros1Record& record) {
+  if (record.compression == Compression::kNone) {
+    at_ += record.bytes - record.body.size();
+    return true;
+  }
+  open_chunk(record);
+  return false;
 }
 
 /// To the next chunk or connection that looks whole, or the end.

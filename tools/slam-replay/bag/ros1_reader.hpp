@@ -36,6 +36,7 @@ class Ros1Reader {
   const BagMessage* next_of_chunk();
   const BagMessage* take(const Ros1Record& record);
   void open_chunk(const Ros1Record& record);
+  bool enter(const Ros1Record& record);
   void search();
   void blame(const char* reason);
 

@@ -33,6 +33,20 @@ struct Ros1Record {
 /// The record at the begin of `bytes`; nothing when its head is none.
 std::optional<Ros1Record> parse_ros1_record(std::span<const std::uint8_t> bytes);
 
+/// Calls visit(record) for the records of the index at the end of a closed bag. False: there is none, or it is not whole.
+template <class Visit>
+bool visit_ros1_index(std::span<const std::uint8_t> file, Visit&& visit) {
+  const auto header = file.size() > kRos1Magic.size() ? parse_ros1_record(file.subspan(kRos1Magic.size())) : std::nullopt;
+  if (!header || header->op != Ros1Op::kBagHeader || header->index_at == 0 || header->index_at >= file.size()) return false;
+  for (std::size_t at = header->index_at; at < file.size();) {
+    const auto record = parse_ros1_record(file.subspan(at));
+    if (!record || !record->is_whole) return false;
+    at += record->bytes;
+    visit(*record);
+  }
+  return true;
+}
+
 /// The value of a field among those of a head or of a connection's body ("topic", "type", ...).
 std::optional<std::string_view> ros1_field(std::span<const std::uint8_t> fields, std::string_view name);
 

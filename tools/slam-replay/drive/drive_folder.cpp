@@ -46,10 +46,13 @@ std::map<HostTime, double> read_shares(const std::string& path) {
 
 }  // namespace
 
+std::unique_ptr<Stream<LidarPacket>> lidar_stream(std::unique_ptr<ReadSource> reads, const DriverConfigs& config) {
+  return std::make_unique<SpinningStream>(std::move(reads), config.lidar);
+}
+
 std::unique_ptr<Stream<LidarPacket>> open_lidar_capture(const std::string& path, const DriverConfigs& config) {
   std::unique_ptr<ReadSource> reads = open_capture(path);
-  if (reads == nullptr) return nullptr;
-  return std::make_unique<SpinningStream>(std::move(reads), config.lidar);
+  return reads == nullptr ? nullptr : lidar_stream(std::move(reads), config);
 }
 
 Sensors open_drive_folder(const std::string& folder, const DriverConfigs& config) {
