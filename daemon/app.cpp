@@ -5,13 +5,12 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "daemon/app_parts.hpp"
 #include "daemon/server/host_clock.hpp"
 #include "daemon/threads/source_health.hpp"
 
 namespace slamd {
 namespace {
-
-constexpr double kFastest_mps = 100.0;  // that a vehicle is believed to have gone
 
 /// The present in UTC, as a part of a file's name.
 std::string utc_name() {
@@ -21,34 +20,6 @@ std::string utc_name() {
   std::array<char, 32> text;
   const std::size_t size = std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%SZ", &utc);
   return {text.data(), size};
-}
-
-/// What an earlier run had learnt of the sensors, as the configuration of this one: so it is in a recording as well, and replays.
-Config with_what_was_learnt(Config config, const Result<StoredMap>& left) {
-  if (!left || left->keyframes.empty()) return config;
-  const StoredSensors& sensors = left->sensors;
-  const auto is_sound = [](const Eigen::Vector3d& bias) { return bias.cwiseAbs().maxCoeff() <= kMostKnownBias; };
-  if (!is_sound(sensors.gyro_bias_rads) || !is_sound(sensors.accel_bias_mps2)) return config;
-  InitialisationConfig& start = config.odometry.start.initialisation;
-  start.known_gyro_bias_rads = sensors.gyro_bias_rads;
-  start.known_accel_bias_mps2 = sensors.accel_bias_mps2;
-  if (config.odometry.fusion.registration.update.estimate_extrinsic) {
-    config.vehicle.T_base_lidar = config.vehicle.T_base_imu * sensors.T_imu_lidar;
-  }
-  if (left->motion && left->motion->velocity_mps.norm() < kFastest_mps) {
-    const Eigen::Vector3d up = left->T_map_base.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-    start.known_motion = {to_seconds(left->motion->time.time_since_epoch()), left->motion->velocity_mps, up};
-  }
-  return config;
-}
-
-/// A motion whose time is of another clock says nothing: the host has been started anew since, or its UTC was set.
-Result<StoredMap> by_this_clock(Result<StoredMap> left) {
-  constexpr Duration kSameClock = std::chrono::seconds{1};
-  if (!left || !left->motion || std::chrono::abs(left->motion->host_to_utc - host_to_utc()) < kSameClock) return left;
-  StoredMap map = std::move(left).value();
-  map.motion.reset();
-  return map;
 }
 
 }  // namespace
@@ -62,7 +33,7 @@ Result<std::unique_ptr<App>> App::open(const Config& config, const std::string& 
   Result<std::unique_ptr<LidarThread>> lidar = LidarThread::open(config.lidar, config.lidar_decoder, *streams);
   if (!lidar) return Error{lidar.reason()};
 
-  const std::string checkpoint = config.checkpoint.path();
+  const std::string checkpoint = config.mode == "planar" ? "" : config.checkpoint.path();
   Result<StoredMap> left = checkpoint.empty() ? StoredMap{} : by_this_clock(load_checkpoint(checkpoint, config.vehicle));
   const Config running = with_what_was_learnt(config, left);
   Result<std::unique_ptr<Recorder>> recorder = Recorder::open(record_folder, print_config(running), config.flight_recorder,
@@ -71,34 +42,54 @@ Result<std::unique_ptr<App>> App::open(const Config& config, const std::string& 
 
   std::unique_ptr<App> app{
       new App{config, running, version, std::move(publisher).value(), std::move(streams), std::move(lidar).value()}};
-  app->resume(std::move(left));
+  if (app->is_planar()) app->resume(load_planar_checkpoint(planar_checkpoint_path(config.checkpoint), config.vehicle));
+  else app->resume(std::move(left));
   const Result<void> recording = app->record(std::move(recorder).value(), running, record_folder);
   if (!recording) return Error{recording.reason()};
   if (!record_folder.empty()) app->watch_recording();
   return app;
 }
 
-/// Takes over the map of the daemon before this one; whether the vehicle is still in it is for the first scans to say.
-void App::resume(Result<StoredMap> map) {
-  mapping_.keep_checkpoints(checkpoints_);
-  if (config_.checkpoint.path().empty()) return;
+/// Whether there is a map of the daemon before this one to be taken over, for the log.
+bool App::tell_checkpoint(const char* refused, std::size_t keyframes) {
   supervisor_.watch_source("checkpoint", [this] {
-    const CheckpointReport report = checkpoints_.report();
+    const CheckpointReport report = checkpoint_report();
     SourceHealth health;
     health.state = report.state == "failed" ? "failed" : "healthy";
     health.reason = report.reason;
     return health;
   });
-  if (!map) {
-    log_.write(LogLevel::kWarning, std::string{"checkpoint state=refused, the map begins anew: reason=\""} + map.reason() + '"');
-    return;
+  if (refused != nullptr) {
+    log_.write(LogLevel::kWarning, std::string{"checkpoint state=refused, the map begins anew: reason=\""} + refused + '"');
+  } else if (keyframes == 0) {
+    log_.write(LogLevel::kInfo, "checkpoint state=none, the map begins anew");
+  } else {
+    log_.write(LogLevel::kInfo, "checkpoint state=read keyframes=" + std::to_string(keyframes));
   }
-  const std::size_t keyframes = map->keyframes.size();
-  if (keyframes == 0) return log_.write(LogLevel::kInfo, "checkpoint state=none, the map begins anew");
-  log_.write(LogLevel::kInfo, "checkpoint state=read keyframes=" + std::to_string(keyframes) + " closures=" +
-                                  std::to_string(map->closures.size()));
+  return refused == nullptr && keyframes > 0;
+}
+
+/// Takes over the map of the daemon before this one; whether the vehicle is still in it is for the first scans to say.
+void App::resume(Result<StoredMap> map) {
+  mapping_.keep_checkpoints(checkpoints_);
+  if (config_.checkpoint.path().empty()) return;
+  if (!tell_checkpoint(map ? nullptr : map.reason(), map ? map->keyframes.size() : 0)) return;
   imu_.begin_at(map->T_map_base);
   mapping_.restore(std::move(map).value(), config_.back_end.loops.clouds.grid);
+}
+
+void App::resume(const Result<StoredPlanarMap>& map) {
+  if (config_.checkpoint.path().empty()) return;
+  if (!tell_checkpoint(map ? nullptr : map.reason(), map ? map->size() : 0)) return;
+  const Eigen::Vector3d& last = map->back().pose;
+  imu_.begin_at({Eigen::Quaterniond{Eigen::AngleAxisd{last[2], Eigen::Vector3d::UnitZ()}}, {last[0], last[1], 0.0}});
+  planar_mapping_->restore(*map);
+}
+
+CheckpointReport App::checkpoint_report() const { return is_planar() ? planar_mapping_->state().checkpoint : checkpoints_.report(); }
+
+RelocaliserCounts App::relocalisation() const {
+  return is_planar() ? planar_mapping_->state().relocalisation : mapping_.state().relocalisation;
 }
 
 /// target  a file that ends in .mcap is recorded from now on; a folder is the recorder's own affair
@@ -157,9 +148,12 @@ App::App(const Config& configured, const Config& config, const std::string& vers
            publisher_},
       gnss_{config.gnss, config.nmea, *streams_},
       wheel_{config.wheel, *streams_},
-      estimator_{config.estimator, config.vehicle, config.odometry, *streams_},
+      estimator_{config.estimator, make_front_end(config, *streams_), *streams_},
       checkpoints_{config.checkpoint, configured.vehicle},
       mapping_{make_relocaliser(config.back_end, config.vehicle), *streams_, map_, trajectory_},
+      planar_mapping_{is_planar() ? std::make_unique<PlanarMappingThread>(config.planar.mapper, PlanarKeeper{config.checkpoint, configured.vehicle},
+                                                                          *streams_, grid_, trajectory_)
+                                  : nullptr},
       health_{host_now()},
       supervisor_{config.log.repeat_period,
                   [this](LogLevel level, const std::string& line) { log_.write(level, line); }},
@@ -171,7 +165,7 @@ App::App(const Config& configured, const Config& config, const std::string& vers
                [this](const PushedOdometry& pushed) {
                  return wheel_.push({pushed.device_us, pushed.x_m, pushed.y_m, pushed.yaw_rad}, host_now());
                },
-               nullptr, recording_control()},
+               is_planar() ? &grid_ : nullptr, recording_control()},
               version} {
   register_probes();
   if (config.health.allow_inject) allow_faults();
@@ -187,8 +181,12 @@ Result<void> App::start(UniqueFd listening) {
     else refusals.insert(limit.reason());
   }
   start_thread({"slamd-recorder"}, *recorder_);
-  start_thread({"slamd-checkpoint"}, checkpoints_);
-  start_thread({"slamd-mapping"}, mapping_);
+  if (is_planar()) {
+    start_thread({"slamd-mapping"}, *planar_mapping_);
+  } else {
+    start_thread({"slamd-checkpoint"}, checkpoints_);
+    start_thread({"slamd-mapping"}, mapping_);
+  }
   start_thread({"slamd-estimator", rt.estimator_priority, rt.estimator_cpu}, estimator_);
   start_thread({"slamd-gnss", rt.gnss_priority, rt.driver_cpu}, gnss_);
   start_thread({"slamd-wheel", rt.gnss_priority, rt.driver_cpu}, wheel_);
@@ -227,7 +225,7 @@ void App::dump_when_lost(HostTime now) {
 
 /// Rare and for good, so each has a line of its own.
 void App::tell_map_events() {
-  const RelocaliserCounts now = mapping_.state().relocalisation;
+  const RelocaliserCounts now = relocalisation();
   if (now.relocalised != told_map_events_.relocalised) log_.write(LogLevel::kInfo, "map state=relocalised");
   if (now.begun_anew != told_map_events_.begun_anew) {
     log_.write(LogLevel::kWarning, "map state=begun_anew, continuing: the place was not recognised, the map of before is gone");
@@ -291,7 +289,7 @@ void App::register_probes() {
   add_ring("lidar", [this] { return streams_->lidar.counts(); });
   add_ring("imu", [this] { return streams_->imu.counts(); });
   add_ring("gnss", [this] { return streams_->gnss.counts(); });
-  add_ring("keyframes", [this] { return streams_->keyframes.counts(); });
+  add_ring("keyframes", [this] { return is_planar() ? streams_->planar_keyframes.counts() : streams_->keyframes.counts(); });
 
   health_.add_stage("scan", estimator_.scan_time());
   health_.add_stage("scan_end_to_posterior", estimator_.scan_latency());
@@ -307,8 +305,8 @@ void App::register_probes() {
   });
   health_.add_count("keyframes", [this] { return estimator_.keyframes(); });
   health_.add_count("gnss_fixes", [this] { return mapping_.fixes(); });
-  health_.add_object("back_end", [this] { return to_json(mapping_.state()); });
-  health_.add_object("checkpoint", [this] { return to_json(checkpoints_.report()); });
+  health_.add_object("back_end", [this] { return is_planar() ? to_json(planar_mapping_->state()) : to_json(mapping_.state()); });
+  health_.add_object("checkpoint", [this] { return to_json(checkpoint_report()); });
   health_.add_count("log_lines_lost", [this] { return log_.lost(); });
   supervisor_.watch_pose([this] { return publisher_.newest(); });
   watch_budgets();

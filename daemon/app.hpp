@@ -10,6 +10,7 @@
 #include "daemon/config/config.hpp"
 #include "daemon/service/watchdog.hpp"
 #include "daemon/threads/mapping_thread.hpp"
+#include "daemon/threads/planar_mapping_thread.hpp"
 #include "daemon/threads/supervisor.hpp"
 #include "daemon/threads/worker.hpp"
 
@@ -65,13 +66,18 @@ class App {
   Result<void> record(std::unique_ptr<Recorder> recorder, const Config& running, const std::string& target);
   RecordingControl recording_control();
   void watch_recording();
+  bool tell_checkpoint(const char* refused, std::size_t keyframes);
   void resume(Result<StoredMap> map);
+  void resume(const Result<StoredPlanarMap>& map);
+  CheckpointReport checkpoint_report() const;
+  RelocaliserCounts relocalisation() const;
   void tell_map_events();
   void dump_when_lost(HostTime now);
   void register_probes();
   void register_sensors();
   void allow_faults();
   void watch_budgets();
+  bool is_planar() const { return config_.mode == "planar"; }
   void add_source(const std::string& name, const HealthBoard::SourceProbe& probe);
   void add_ring(const std::string& name, const HealthBoard::RingProbe& probe);
 
@@ -79,6 +85,7 @@ class App {
   Log log_;
   PosePublisher publisher_;
   MapStore map_;
+  GridStore grid_;
   TrajectoryStore trajectory_;
   UniqueFd cpu_latency_;  // the limit holds as long as it is open
   std::unique_ptr<Streams> streams_;
@@ -89,7 +96,8 @@ class App {
   std::unique_ptr<Recorder> recorder_;
   EstimatorThread estimator_;
   CheckpointThread checkpoints_;
-  MappingThread mapping_;
+  MappingThread mapping_;                               // of full mode,
+  std::unique_ptr<PlanarMappingThread> planar_mapping_;  // of planar mode; else null
   HealthBoard health_;
   Supervisor supervisor_;
   RelocaliserCounts told_map_events_;

@@ -27,9 +27,9 @@ json pose_row(const StampedPose& pose) {
   return json::array({to_ns(pose.time), p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()});
 }
 
-/// Root of the three axes' variances.
-double position_sigma_m(const PoseSample& sample) {
-  return std::sqrt(sample.covariance[0] + sample.covariance[7] + sample.covariance[14]);
+/// Root of the three axes' variances; in the plane of two.
+double position_sigma_m(const PoseSample& sample, bool is_planar) {
+  return std::sqrt(sample.covariance[0] + sample.covariance[7] + (is_planar ? 0.0 : sample.covariance[14]));
 }
 
 constexpr const char* kNoGrid = "mode is not planar: there is no grid";
@@ -104,7 +104,7 @@ json Methods::fresh_status(HostTime now) const {
     pose = {{"status", name(static_cast<TrackingStatus>(sample->status))},
             {"reasons", reason_names(sample->reasons)},
             {"age_s", to_seconds(now - from_ns<HostTime>(sample->host_time_ns))},
-            {"sigma_m", position_sigma_m(*sample)},
+            {"sigma_m", position_sigma_m(*sample, sources_.grid != nullptr)},
             {"lidar_test_ratio", sample->lidar_test_ratio},
             {"sequence", sample->sequence}};
   }

@@ -5,108 +5,28 @@
 #include <unistd.h>
 
 #include <array>
-#include <bit>
-#include <boost/crc.hpp>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <string_view>
 
+#include "daemon/store/byte_codec.hpp"
 #include "daemon/store/cloud_file.hpp"
 
 namespace slamd {
 namespace {
 
-static_assert(std::endian::native == std::endian::little);
-
 constexpr std::string_view kMagic = "SLAMDMAP";
 constexpr std::size_t kHeadBytes = kMagic.size() + 3 * sizeof(std::uint32_t);
-constexpr double kUnit = 1e-6;  // that a quaternion's norm may be off
 
-std::uint32_t crc_of(std::span<const std::uint8_t> bytes) {
-  boost::crc_32_type crc;
-  crc.process_bytes(bytes.data(), bytes.size());
-  return crc.checksum();
-}
-
-class Writer {
- public:
-  template <class T>
-  void number(T value) {
-    const auto* raw = reinterpret_cast<const std::uint8_t*>(&value);
-    bytes_.insert(bytes_.end(), raw, raw + sizeof value);
-  }
-  void numbers(std::span<const double> values) {
-    for (const double value : values) number(value);
-  }
-  void pose(const Pose& T) {
-    numbers({T.translation.data(), 3});
-    numbers({T.rotation.coeffs().data(), 4});
-  }
-  void raw(std::span<const std::uint8_t> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
-  std::vector<std::uint8_t>& bytes() { return bytes_; }
-
- private:
-  std::vector<std::uint8_t> bytes_;
-};
-
-/// Reads what is there; what is not, or is no sound value, makes it bad for good.
-class Reader {
- public:
-  explicit Reader(std::span<const std::uint8_t> bytes) : left_{bytes} {}
-
-  template <class T>
-  T number() {
-    T value{};
-    if (left_.size() < sizeof value) {
-      good_ = false;
-      return value;
-    }
-    std::memcpy(&value, left_.data(), sizeof value);
-    left_ = left_.subspan(sizeof value);
-    return value;
-  }
-  void numbers(std::span<double> values) {
-    for (double& value : values) {
-      value = number<double>();
-      good_ = good_ && std::isfinite(value);
-    }
-  }
-  Pose pose() {
-    Pose T;
-    numbers({T.translation.data(), 3});
-    numbers({T.rotation.coeffs().data(), 4});
-    good_ = good_ && std::abs(T.rotation.norm() - 1.0) < kUnit;
-    return T;
-  }
-  std::span<const std::uint8_t> raw(std::size_t size) {
-    good_ = good_ && size <= left_.size();
-    const std::span<const std::uint8_t> bytes = left_.first(good_ ? size : 0);
-    left_ = left_.subspan(bytes.size());
-    return bytes;
-  }
-  bool good() const { return good_; }
-  bool at_end() const { return good_ && left_.empty(); }
-
- private:
-  std::span<const std::uint8_t> left_;
-  bool good_ = true;
-};
-
-void write(Writer& out, const VehicleGeometry& vehicle) {
-  out.pose(vehicle.T_base_lidar);
-  out.pose(vehicle.T_base_imu);
-  out.numbers({vehicle.p_base_antenna.data(), 3});
-}
-
-void write(Writer& out, const StoredEnu& enu) {
+void write(ByteWriter& out, const StoredEnu& enu) {
   out.number(enu.yaw_rad);
   out.numbers({enu.translation.data(), 3});
   out.numbers(enu.covariance);
   out.numbers(std::array{enu.latitude_deg, enu.longitude_deg, enu.ellipsoid_height_m});
 }
 
-StoredEnu read_enu(Reader& in) {
+StoredEnu read_enu(ByteReader& in) {
   StoredEnu enu;
   in.numbers({&enu.yaw_rad, 1});
   in.numbers({enu.translation.data(), 3});
@@ -117,7 +37,7 @@ StoredEnu read_enu(Reader& in) {
   return enu;
 }
 
-void write(Writer& out, const StoredKeyframe& keyframe) {
+void write(ByteWriter& out, const StoredKeyframe& keyframe) {
   out.number(to_ns(keyframe.time));
   out.pose(keyframe.T_map_base);
   out.numbers({keyframe.relative_covariance.data(), 36});
@@ -125,7 +45,7 @@ void write(Writer& out, const StoredKeyframe& keyframe) {
   out.raw(keyframe.cloud);
 }
 
-StoredKeyframe read_keyframe(Reader& in) {
+StoredKeyframe read_keyframe(ByteReader& in) {
   StoredKeyframe keyframe;
   keyframe.time = from_ns<HostTime>(in.number<std::int64_t>());
   keyframe.T_map_base = in.pose();
@@ -135,13 +55,13 @@ StoredKeyframe read_keyframe(Reader& in) {
   return keyframe;
 }
 
-void write(Writer& out, const StoredSensors& sensors) {
+void write(ByteWriter& out, const StoredSensors& sensors) {
   out.numbers({sensors.gyro_bias_rads.data(), 3});
   out.numbers({sensors.accel_bias_mps2.data(), 3});
   out.pose(sensors.T_imu_lidar);
 }
 
-StoredSensors read_sensors(Reader& in) {
+StoredSensors read_sensors(ByteReader& in) {
   StoredSensors sensors;
   in.numbers({sensors.gyro_bias_rads.data(), 3});
   in.numbers({sensors.accel_bias_mps2.data(), 3});
@@ -149,14 +69,14 @@ StoredSensors read_sensors(Reader& in) {
   return sensors;
 }
 
-void write(Writer& out, const StoredMotion& motion) {
+void write(ByteWriter& out, const StoredMotion& motion) {
   out.number(to_ns(motion.time));
   out.number(motion.host_to_utc.count());
   out.numbers({motion.velocity_mps.data(), 3});
   out.numbers({motion.angular_velocity_rads.data(), 3});
 }
 
-StoredMotion read_motion(Reader& in) {
+StoredMotion read_motion(ByteReader& in) {
   StoredMotion motion;
   motion.time = from_ns<HostTime>(in.number<std::int64_t>());
   motion.host_to_utc = Duration{in.number<std::int64_t>()};
@@ -165,14 +85,14 @@ StoredMotion read_motion(Reader& in) {
   return motion;
 }
 
-void write(Writer& out, const StoredClosure& closure) {
+void write(ByteWriter& out, const StoredClosure& closure) {
   out.number(closure.from);
   out.number(closure.to);
   out.pose(closure.T_from_to);
   out.numbers({closure.covariance.data(), 36});
 }
 
-StoredClosure read_closure(Reader& in) {
+StoredClosure read_closure(ByteReader& in) {
   StoredClosure closure;
   closure.from = in.number<std::uint32_t>();
   closure.to = in.number<std::uint32_t>();
@@ -181,7 +101,7 @@ StoredClosure read_closure(Reader& in) {
   return closure;
 }
 
-Result<StoredMap> read_map(Reader& in) {
+Result<StoredMap> read_map(ByteReader& in) {
   StoredMap map;
   map.T_map_base = in.pose();
   map.sensors = read_sensors(in);
@@ -205,12 +125,12 @@ Result<StoredMap> read_map(Reader& in) {
 }
 
 /// Whether a whole and sound one was there, and now is in the map.
-bool read_step(Reader& in, StoredMap& map) {
+bool read_step(ByteReader& in, StoredMap& map) {
   const auto size = in.number<std::uint32_t>();
   const auto crc = in.number<std::uint32_t>();
   const std::span<const std::uint8_t> bytes = in.raw(size);
   if (!in.good() || crc != crc_of(bytes)) return false;
-  Reader step{bytes};
+  ByteReader step{bytes};
   StoredKeyframe keyframe = read_keyframe(step);
   const StoredMotion motion = read_motion(step);
   const StoredSensors sensors = read_sensors(step);
@@ -225,20 +145,14 @@ bool read_step(Reader& in, StoredMap& map) {
   return true;
 }
 
-/// Its size and checksum into the bytes before the last `size`.
-void seal(std::vector<std::uint8_t>& bytes, std::size_t size) {
-  const std::array<std::uint32_t, 2> seal{static_cast<std::uint32_t>(size), crc_of(std::span{bytes}.last(size))};
-  std::memcpy(bytes.data() + bytes.size() - size - sizeof seal, seal.data(), sizeof seal);
-}
-
 }  // namespace
 
 std::vector<std::uint8_t> encode(const StoredMap& map, const VehicleGeometry& vehicle) {
-  Writer out;
+  ByteWriter out;
   out.raw({reinterpret_cast<const std::uint8_t*>(kMagic.data()), kMagic.size()});
   out.number(kCheckpointVersion);
   out.number(std::uint64_t{0});  // sealed below
-  write(out, vehicle);
+  out.vehicle(vehicle);
   out.pose(map.T_map_base);
   write(out, map.sensors);
   out.number(static_cast<std::uint32_t>(map.motion ? 1 : 0));
@@ -254,7 +168,7 @@ std::vector<std::uint8_t> encode(const StoredMap& map, const VehicleGeometry& ve
 }
 
 std::vector<std::uint8_t> encode(const StoredStep& step) {
-  Writer out;
+  ByteWriter out;
   out.number(std::uint64_t{0});  // sealed below
   write(out, StoredKeyframe{step.time, step.T_before_this, step.relative_covariance, step.cloud});
   write(out, step.motion);
@@ -264,7 +178,7 @@ std::vector<std::uint8_t> encode(const StoredStep& step) {
 }
 
 Result<StoredMap> decode(std::span<const std::uint8_t> bytes, const VehicleGeometry& vehicle) {
-  Reader file{bytes};
+  ByteReader file{bytes};
   const std::span<const std::uint8_t> magic = file.raw(kMagic.size());
   if (!std::equal(magic.begin(), magic.end(), kMagic.begin(), kMagic.end())) return Error{"this is no checkpoint"};
   if (file.number<std::uint32_t>() != kCheckpointVersion) return Error{"the checkpoint is of another version"};
@@ -272,9 +186,9 @@ Result<StoredMap> decode(std::span<const std::uint8_t> bytes, const VehicleGeome
   const auto crc = file.number<std::uint32_t>();
   const std::span<const std::uint8_t> content = file.raw(size);
   if (!file.good() || crc != crc_of(content)) return Error{"the checkpoint is damaged or torn"};
-  Reader in{content};
-  Writer own;
-  write(own, vehicle);
+  ByteReader in{content};
+  ByteWriter own;
+  own.vehicle(vehicle);
   const std::span<const std::uint8_t> stored = in.raw(own.bytes().size());
   if (!std::equal(stored.begin(), stored.end(), own.bytes().begin(), own.bytes().end())) {
     return Error{"the checkpoint is of another vehicle, or the sensors have been moved"};

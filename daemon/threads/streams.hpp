@@ -12,6 +12,7 @@
 #include "daemon/store/trajectory_store.hpp"
 #include "estimator/filter/inertial_state.hpp"
 #include "estimator/graph/map_link.hpp"
+#include "estimator/grid/planar_odometry.hpp"
 #include "estimator/types/gnss_fix.hpp"
 #include "estimator/types/imu_sample.hpp"
 #include "estimator/types/keyframe.hpp"
@@ -38,6 +39,7 @@ struct Streams {
   TripleBuffer<Posterior> posterior;  // estimator -> imu thread
   TripleBuffer<MapLink> map_link;     // mapping -> imu thread; nothing before the first correction
   SpscRing<Keyframe> keyframes{16, [](Keyframe& slot) { slot.points.reserve(kMaxKeyframePoints); }};  // -> mapping
+  SpscRing<PlanarKeyframe> planar_keyframes{256};              // estimator -> planar mapping
   SpscRing<StampedPose> path{256};                             // estimator -> mapping; one pose a scan
   SpscRing<GnssFix> fixes{64};                                 // estimator -> mapping; in the order of events
   FaultBoard faults;                                           // server -> driver threads

@@ -118,6 +118,7 @@ class Client:
             raise
         self.lines = self.socket.makefile("rb")
         self.next_id = 0
+        self.notifications = []
 
     def call(self, method, **params):
         self.next_id += 1
@@ -127,6 +128,15 @@ class Client:
             answer = json.loads(self.lines.readline())
             if answer.get("id") == self.next_id:
                 return answer
+            if "method" in answer:
+                self.notifications.append(answer)
+
+    def next_notification(self):
+        while not self.notifications:
+            message = json.loads(self.lines.readline())
+            if "method" in message:
+                self.notifications.append(message)
+        return self.notifications.pop(0)
 
     def pose(self):
         """The result of get_pose; None as long as there is none."""

@@ -16,6 +16,7 @@
 #include "daemon/server/host_clock.hpp"
 #include "daemon/threads/estimator_thread.hpp"
 #include "daemon/threads/pause.hpp"
+#include "daemon/threads/spatial_front_end.hpp"
 #include "daemon/threads/worker.hpp"
 
 namespace slamd {
@@ -104,7 +105,9 @@ struct Outcome {
 Outcome run_at_ten_times_the_rate() {
   const auto streams = std::make_unique<Streams>();
   const auto estimator =
-      std::make_unique<EstimatorThread>(EstimatorThreadConfig{}, VehicleGeometry{}, OdometryConfig{}, *streams);
+      std::make_unique<EstimatorThread>(
+          EstimatorThreadConfig{},
+          std::make_unique<SpatialFrontEnd>(SpatialFrontEndConfig{}, VehicleGeometry{}, OdometryConfig{}, *streams), *streams);
   Outcome outcome;
   std::array<Duration, 3> waited{};  // read after the threads were joined
   std::atomic<int> ended{0};
