@@ -6,41 +6,52 @@
 namespace slamd {
 namespace {
 
-constexpr std::size_t kPortion = 8;  // keyframes
+constexpr std::uint64_t kPortion = 4;  // keyframes
 
 }  // namespace
 
-void GridMaker::add(const PlanarScan& scan, const PlanarPose& T_map_base) {
-  shown_.add(scan, T_map_base);
-  has_changed_ = true;
-}
-
 void GridMaker::clear() {
-  shown_.clear();
+  shown_.cells.clear();
+  shown_.done = 0;
   is_making_ = is_outdated_ = false;
   has_changed_ = true;
 }
 
-bool GridMaker::work(const PlanarMapper& mapper) {
+bool GridMaker::work(const PlanarMapper& mapper, std::uint64_t entered) {
+  if (shown_.done < entered) {
+    add_portion(mapper, entered, shown_);
+    has_changed_ = true;
+    return true;
+  }
   if (!is_making_) {
     if (!std::exchange(is_outdated_, false)) return false;
-    next_.clear();
-    done_ = 0;
+    next_.cells.clear();
+    next_.done = 0;
     is_making_ = true;
   }
-  const std::size_t end = std::min(mapper.keyframes(), done_ + kPortion);
-  for (; done_ < end; ++done_) next_.add(mapper.scan(done_), mapper.T_map_base(done_));
-  if (done_ < mapper.keyframes()) return true;
+  add_portion(mapper, entered, next_);
+  if (next_.done < entered) return true;
   std::swap(shown_, next_);
-  next_.clear();
+  next_.cells.clear();
   is_making_ = false;
   has_changed_ = true;
   return true;
 }
 
+/// What the mapper has forgotten is passed over.
+void GridMaker::add_portion(const PlanarMapper& mapper, std::uint64_t entered, Grid& grid) {
+  const std::uint64_t forgotten = entered - mapper.keyframes();
+  grid.done = std::max(grid.done, forgotten);
+  const std::uint64_t end = std::min(entered, grid.done + kPortion);
+  for (; grid.done < end; ++grid.done) {
+    const auto i = static_cast<std::size_t>(grid.done - forgotten);
+    grid.cells.add(mapper.scan(i), mapper.T_map_base(i));
+  }
+}
+
 OccupancyGrid GridMaker::snapshot() {
   has_changed_ = false;
-  return shown_.snapshot();
+  return shown_.cells.snapshot();
 }
 
 }  // namespace slamd

@@ -1,6 +1,8 @@
 #pragma once
-// Keeps the occupancy grid up to date: new keyframes are added as they come; after a correction it is made anew in small
-// portions, while the old one goes on. It owns no thread.
+// Keeps the occupancy grid up to date in small portions: new keyframes first; after a correction it is made anew while the old
+// one goes on. It owns no thread, and one that is late shows an older grid and loses nothing.
+
+#include <cstdint>
 
 #include "estimator/grid/occupancy_builder.hpp"
 #include "estimator/grid/planar_mapper.hpp"
@@ -9,24 +11,30 @@ namespace slamd {
 
 class GridMaker {
  public:
-  explicit GridMaker(const OccupancyConfig& config) : shown_{config}, next_{config} {}
+  explicit GridMaker(const OccupancyConfig& config) : shown_{OccupancyBuilder{config}}, next_{OccupancyBuilder{config}} {}
 
-  /// The newest keyframe of the map.
-  void add(const PlanarScan& scan, const PlanarPose& T_map_base);
   /// Keyframes have moved: all is to be made anew.
   void corrected() { is_outdated_ = true; }
+  /// The map begins anew.
   void clear();
-  /// One portion of making it anew. False: there was nothing to do.
-  bool work(const PlanarMapper& mapper);
+  /// One portion of what is to be done; entered: keyframes that the mapper has got so far, also those it has forgotten. False:
+  /// there was nothing.
+  bool work(const PlanarMapper& mapper, std::uint64_t entered);
 
   /// Whether a snapshot would be another one than the last.
   bool has_changed() const { return has_changed_; }
   OccupancyGrid snapshot();
+  std::uint64_t shown_keyframes() const { return shown_.done; }
 
  private:
-  OccupancyBuilder shown_, next_;
-  std::size_t done_ = 0;       // keyframes in next_
-  bool is_making_ = false;     // next_ is being made
+  struct Grid {
+    OccupancyBuilder cells;
+    std::uint64_t done = 0;  // keyframes in it
+  };
+  static void add_portion(const PlanarMapper& mapper, std::uint64_t entered, Grid& grid);
+
+  Grid shown_, next_;
+  bool is_making_ = false;  // next_ is being made
   bool is_outdated_ = false;
   bool has_changed_ = false;
 };

@@ -41,6 +41,7 @@ nlohmann::json to_json(const PlanarState& state) {
           {"relocalising", state.relocalising},
           {"relocalised", state.relocalisation.relocalised},
           {"maps_begun_anew", state.relocalisation.begun_anew},
+          {"grid_keyframes", state.grid_keyframes},
           {"grid_s", state.grid_s}};
 }
 
@@ -136,7 +137,6 @@ void PlanarMappingThread::enter(PlanarKeyframe keyframe) {
   keyframe.id = entered_++;
   keyframe.T_odom_base = T_chain_odom_ * keyframe.T_odom_base;
   mapper_.add(keyframe);
-  maker_.add(keyframe.scan, mapper_.T_map_odom() * keyframe.T_odom_base);
 }
 
 void PlanarMappingThread::work(const std::stop_token& stop) {
@@ -144,7 +144,7 @@ void PlanarMappingThread::work(const std::stop_token& stop) {
   const auto may_go_on = [&] { return !stop.stop_requested() && host_now() < deadline; };
   while (may_go_on() && mapper_.work()) maker_.corrected();
   tell_link();
-  while (may_go_on() && maker_.work(mapper_)) {
+  while (may_go_on() && maker_.work(mapper_, entered_)) {
   }
 }
 
@@ -159,6 +159,7 @@ void PlanarMappingThread::tell_link() {
 /// The larger the map, the rarer: one in ten seconds of this thread at most goes into snapshots.
 void PlanarMappingThread::make_grid() {
   const HostTime begin = host_now();
+  grid_keyframes_ = maker_.shown_keyframes();
   grid_.put(maker_.snapshot(), begin);
   const Duration took = host_now() - begin;
   next_grid_ = begin + std::max(kGridPeriod, kGridRest * took);
@@ -166,7 +167,7 @@ void PlanarMappingThread::make_grid() {
 }
 
 void PlanarMappingThread::tell_state() {
-  PlanarState state{mapper_.keyframes(), mapper_.T_map_odom() * T_chain_odom_, search_.has_value(), relocalisation_, grid_s_, keeper_.report()};
+  PlanarState state{mapper_.keyframes(), mapper_.T_map_odom() * T_chain_odom_, search_.has_value(), relocalisation_, grid_keyframes_, grid_s_, keeper_.report()};
   const std::lock_guard lock{state_mutex_};
   state_ = std::move(state);
 }

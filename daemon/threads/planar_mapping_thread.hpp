@@ -24,7 +24,8 @@ struct PlanarState {
   PlanarPose T_map_odom;
   bool relocalising = false;
   RelocaliserCounts relocalisation;
-  double grid_s = 0.0;  // that the newest grid took
+  std::uint64_t grid_keyframes = 0;  // that the newest grid shows
+  double grid_s = 0.0;               // that its snapshot took
   CheckpointReport checkpoint;
 };
 nlohmann::json to_json(const PlanarState& state);
@@ -72,6 +73,7 @@ class PlanarMappingThread {
   TrajectoryStore& trajectory_;
   MapLink told_link_;
   HostTime next_grid_;
+  std::uint64_t grid_keyframes_ = 0;
   double grid_s_ = 0.0;
   mutable std::mutex state_mutex_;
   PlanarState state_;

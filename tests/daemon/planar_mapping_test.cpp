@@ -60,7 +60,7 @@ class PlanarMapping : public testing::Test {
   static void work(Run& run) {
     const Worker worker{{"mapping"}, [&](const std::stop_token& stop) { run.thread->run(stop); }};
     while (run.streams->planar_keyframes.counts().size > 0) pause_for(std::chrono::milliseconds{5});
-    while (run.grid.newest().grid == nullptr) pause_for(std::chrono::milliseconds{5});
+    while (run.thread->state().grid_keyframes < run.thread->state().keyframes || run.grid.newest().grid == nullptr) pause_for(std::chrono::milliseconds{5});
   }
 
   std::string folder_ = testing::TempDir() + "planar_mapping_" + std::to_string(::getpid());
