@@ -99,7 +99,9 @@ void PlanarMappingThread::drain() {
 void PlanarMappingThread::take(const PlanarKeyframe& keyframe) {
   if (!search_) return enter(keyframe);
   waiting_.push_back(keyframe);
-  if (const auto found = search_->look(keyframe.scan, believed(keyframe))) {
+  const PlanarPose T_map_believed = believed(keyframe);
+  const double unseen_m = (T_map_believed.translation - pose_of(left_.back()).translation).norm();
+  if (const auto found = search_->look(keyframe.scan, T_map_believed, unseen_m)) {
     ++relocalisation_.relocalised;
     return link(found->T_map_base * keyframe.T_odom_base.inverse());
   }

@@ -12,10 +12,11 @@ namespace slamd {
 struct PlanarRelocaliserConfig {
   LikelihoodConfig likelihood{.cell_m = 0.025, .sigma_m = 0.06, .levels = 5};
   double reach_m = 30.0;       // keyframes so near to the place count
-  double near_m = 1.5, near_rad = 0.35;   // half width of the first search,
-  double far_m = 6.0, far_rad = 0.8;      // and of the second
-  double near_score = 0.55;    // of a match that is believed, 0..1
-  double far_score = 0.65;     // likewise in the second: more places, more that look alike
+  double least_half_m = 0.75;  // half width of the search for a vehicle that stood still,
+  double way_share = 0.3;      // and more of it by this share of the way that it is believed to have gone unseen,
+  double most_half_m = 3.0;    // but not so far that a place that looks alike could be meant
+  double half_rad = 0.35;
+  double least_score = 0.65;   // of a match that is believed, 0..1
   std::size_t points = 300;    // of a scan, at most
 };
 
@@ -27,8 +28,8 @@ class PlanarRelocaliser {
   void add(const PlanarScan& scan, const PlanarPose& T_map_base) { likelihood_.add(scan.points, T_map_base); }
   double reach_m() const { return config_.reach_m; }
 
-  /// Where the scan was taken; nothing when it fits nowhere near enough. Some milliseconds, in the second search up to a second.
-  std::optional<CorrelativeMatch> look(const PlanarScan& scan, const PlanarPose& T_map_believed);
+  /// Where the scan was taken; nothing when it fits nowhere near the place. unseen_m: way that is only believed. Some milliseconds.
+  std::optional<CorrelativeMatch> look(const PlanarScan& scan, const PlanarPose& T_map_believed, double unseen_m);
 
  private:
   PlanarRelocaliserConfig config_;
