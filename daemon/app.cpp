@@ -151,7 +151,7 @@ App::App(const Config& configured, const Config& config, const std::string& vers
       estimator_{config.estimator, make_front_end(config, *streams_), *streams_},
       checkpoints_{config.checkpoint, configured.vehicle},
       mapping_{make_relocaliser(config.back_end, config.vehicle), *streams_, map_, trajectory_},
-      planar_mapping_{is_planar() ? std::make_unique<PlanarMappingThread>(config.planar.mapper, PlanarKeeper{config.checkpoint, configured.vehicle},
+      planar_mapping_{is_planar() ? std::make_unique<PlanarMappingThread>(config.planar, PlanarKeeper{config.checkpoint, configured.vehicle},
                                                                           *streams_, grid_, trajectory_)
                                   : nullptr},
       health_{host_now()},

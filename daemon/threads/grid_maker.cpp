@@ -40,12 +40,12 @@ bool GridMaker::work(const PlanarMapper& mapper, std::uint64_t entered) {
 
 /// What the mapper has forgotten is passed over.
 void GridMaker::add_portion(const PlanarMapper& mapper, std::uint64_t entered, Grid& grid) {
-  const std::uint64_t forgotten = entered - mapper.keyframes();
+  const std::uint64_t forgotten = entered - mapper.keyframes().size();
   grid.done = std::max(grid.done, forgotten);
   const std::uint64_t end = std::min(entered, grid.done + kPortion);
   for (; grid.done < end; ++grid.done) {
     const auto i = static_cast<std::size_t>(grid.done - forgotten);
-    grid.cells.add(mapper.scan(i), mapper.T_map_base(i));
+    grid.cells.add(mapper.keyframes()[i].scan, mapper.keyframes()[i].T_map_base);
   }
 }
 

@@ -9,8 +9,8 @@ namespace {
 constexpr const char* kFileName = "/planar.map";
 
 std::vector<std::uint8_t> encoded(const PlanarMapper& mapper, std::size_t i) {
-  const PlanarPose& T = mapper.T_map_base(i);
-  const PlanarScan& scan = mapper.scan(i);
+  const PlanarPose& T = mapper.keyframes()[i].T_map_base;
+  const PlanarScan& scan = mapper.keyframes()[i].scan;
   return encode(StoredPlanarKeyframe{scan.time, {T.translation.x(), T.translation.y(), wrap_angle(T.yaw_rad)}, scan.origin, scan.points});
 }
 
@@ -27,7 +27,7 @@ PlanarKeeper::PlanarKeeper(const CheckpointConfig& config, const VehicleGeometry
 }
 
 void PlanarKeeper::keep(const PlanarMapper& mapper, HostTime now) {
-  if (path_.empty() || mapper.keyframes() == 0 || mapper.scan(mapper.keyframes() - 1).time <= kept_) return;
+  if (path_.empty() || mapper.keyframes().size() == 0 || mapper.keyframes().back().scan.time <= kept_) return;
   if (now >= next_whole_) {
     next_whole_ = now + config_.period;
     write_whole(mapper);
@@ -40,7 +40,7 @@ void PlanarKeeper::keep(const PlanarMapper& mapper, HostTime now) {
 void PlanarKeeper::write_whole(const PlanarMapper& mapper) {
   std::vector<std::vector<std::uint8_t>> newest;
   std::size_t size = 0;
-  for (std::size_t i = mapper.keyframes(); i-- > 0 && size < config_.byte_budget;) {
+  for (std::size_t i = mapper.keyframes().size(); i-- > 0 && size < config_.byte_budget;) {
     newest.push_back(encoded(mapper, i));
     size += newest.back().size();
   }
@@ -50,23 +50,23 @@ void PlanarKeeper::write_whole(const PlanarMapper& mapper) {
   if (done) {
     ++report_.written;
     report_.bytes = 0;
-    kept_ = mapper.scan(mapper.keyframes() - 1).time;
+    kept_ = mapper.keyframes().back().scan.time;
   }
   tell(done, bytes.size());
 }
 
 void PlanarKeeper::add_newest(const PlanarMapper& mapper) {
-  std::size_t first = mapper.keyframes();
-  while (first > 0 && mapper.scan(first - 1).time > kept_) --first;
+  std::size_t first = mapper.keyframes().size();
+  while (first > 0 && mapper.keyframes()[first - 1].scan.time > kept_) --first;
   std::vector<std::uint8_t> bytes;
-  for (std::size_t i = first; i < mapper.keyframes(); ++i) {
+  for (std::size_t i = first; i < mapper.keyframes().size(); ++i) {
     const std::vector<std::uint8_t> keyframe = encoded(mapper, i);
     bytes.insert(bytes.end(), keyframe.begin(), keyframe.end());
   }
   const Result<void> done = append_to_checkpoint(bytes, path_);
   if (done) {
-    report_.steps += mapper.keyframes() - first;
-    kept_ = mapper.scan(mapper.keyframes() - 1).time;
+    report_.steps += mapper.keyframes().size() - first;
+    kept_ = mapper.keyframes().back().scan.time;
   }
   tell(done, bytes.size());
 }

@@ -6,6 +6,7 @@
 
 #include "daemon/server/host_clock.hpp"
 #include "daemon/threads/pause.hpp"
+#include "estimator/grid/scan_normals.hpp"
 
 namespace slamd {
 namespace {
@@ -37,6 +38,7 @@ nlohmann::json to_json(const PlanarState& state) {
   const Pose T = in_space(state.T_map_odom);
   const auto& q = T.rotation;
   return {{"keyframes", state.keyframes},
+          {"closures", state.closures},
           {"T_map_odom", {{"translation_m", {T.translation.x(), T.translation.y(), 0.0}}, {"rotation_quat_xyzw", {q.x(), q.y(), q.z(), q.w()}}}},
           {"relocalising", state.relocalising},
           {"relocalised", state.relocalisation.relocalised},
@@ -45,11 +47,11 @@ nlohmann::json to_json(const PlanarState& state) {
           {"grid_s", state.grid_s}};
 }
 
-PlanarMappingThread::PlanarMappingThread(const PlanarMapperConfig& config, PlanarKeeper keeper, Streams& streams, GridStore& grid,
+PlanarMappingThread::PlanarMappingThread(const Slam2dConfig& config, PlanarKeeper keeper, Streams& streams, GridStore& grid,
                                          TrajectoryStore& trajectory)
     : config_{config},
-      mapper_{config},
-      maker_{config.occupancy},
+      mapper_{config.mapper, config.odometry},
+      maker_{config.mapper.occupancy},
       keeper_{std::move(keeper)},
       streams_{streams},
       grid_{grid},
@@ -69,6 +71,8 @@ void PlanarMappingThread::restore(const StoredPlanarMap& map) {
     keyframe.scan.time = HostTime{} + Duration{static_cast<std::int64_t>(i) + 1};
     keyframe.scan.points = map[i].points;
     keyframe.scan.origin = map[i].origin;
+    for (const Eigen::Vector2f& p : map[i].points) keyframe.scan.mean_range_m += (p - map[i].origin).norm() / static_cast<float>(map[i].points.size());
+    find_normals(keyframe.scan, config_.odometry.scan.spacing_m);
     if ((keyframe.T_odom_base.translation - last.translation).norm() < search_->reach_m()) search_->add(keyframe.scan, keyframe.T_odom_base);
     enter(std::move(keyframe));
   }
@@ -107,7 +111,7 @@ void PlanarMappingThread::take(const PlanarKeyframe& keyframe) {
   }
   if (waiting_.size() < kMostLooks) return;
   ++relocalisation_.begun_anew;
-  mapper_ = PlanarMapper{config_};
+  mapper_ = PlanarMapper{config_.mapper, config_.odometry};
   maker_.clear();
   keeper_.forget();
   entered_ = 0;
@@ -144,7 +148,10 @@ void PlanarMappingThread::enter(PlanarKeyframe keyframe) {
 void PlanarMappingThread::work(const std::stop_token& stop) {
   const HostTime deadline = host_now() + kWorkBudget;
   const auto may_go_on = [&] { return !stop.stop_requested() && host_now() < deadline; };
-  while (may_go_on() && mapper_.work()) maker_.corrected();
+  const std::uint64_t solves = mapper_.stats().solves;
+  while (may_go_on() && mapper_.work()) {
+  }
+  if (mapper_.stats().solves != solves) maker_.corrected();
   tell_link();
   while (may_go_on() && maker_.work(mapper_, entered_)) {
   }
@@ -169,7 +176,7 @@ void PlanarMappingThread::make_grid() {
 }
 
 void PlanarMappingThread::tell_state() {
-  PlanarState state{mapper_.keyframes(), mapper_.T_map_odom() * T_chain_odom_, search_.has_value(), relocalisation_, grid_keyframes_, grid_s_, keeper_.report()};
+  PlanarState state{mapper_.keyframes().size(), mapper_.closures().size(), mapper_.T_map_odom() * T_chain_odom_, search_.has_value(), relocalisation_, grid_keyframes_, grid_s_, keeper_.report()};
   const std::lock_guard lock{state_mutex_};
   state_ = std::move(state);
 }

@@ -15,12 +15,14 @@
 #include "daemon/threads/streams.hpp"
 #include "estimator/graph/relocaliser.hpp"
 #include "estimator/grid/planar_relocaliser.hpp"
+#include "estimator/grid/slam_2d.hpp"
 
 namespace slamd {
 
 /// What get_status says of the planar back end.
 struct PlanarState {
   std::uint64_t keyframes = 0;
+  std::uint64_t closures = 0;
   PlanarPose T_map_odom;
   bool relocalising = false;
   RelocaliserCounts relocalisation;
@@ -33,7 +35,7 @@ nlohmann::json to_json(const PlanarState& state);
 class PlanarMappingThread {
  public:
   /// Streams and stores must outlive it.
-  PlanarMappingThread(const PlanarMapperConfig& config, PlanarKeeper keeper, Streams& streams, GridStore& grid, TrajectoryStore& trajectory);
+  PlanarMappingThread(const Slam2dConfig& config, PlanarKeeper keeper, Streams& streams, GridStore& grid, TrajectoryStore& trajectory);
 
   /// Before run(): begins with the map of an earlier run, in which the vehicle is looked for near its end.
   void restore(const StoredPlanarMap& map);
@@ -58,7 +60,7 @@ class PlanarMappingThread {
   void make_grid();
   void tell_state();
 
-  PlanarMapperConfig config_;
+  Slam2dConfig config_;
   PlanarMapper mapper_;
   GridMaker maker_;
   PlanarKeeper keeper_;

@@ -53,7 +53,7 @@ class PlanarMapping : public testing::Test {
   CheckpointConfig checkpoint() const { return {.folder = folder_, .period = std::chrono::hours{1}}; }
   std::unique_ptr<Run> make() const {
     auto run = std::make_unique<Run>();
-    run->thread = std::make_unique<PlanarMappingThread>(PlanarMapperConfig{}, PlanarKeeper{checkpoint(), {}}, *run->streams, run->grid, run->trajectory);
+    run->thread = std::make_unique<PlanarMappingThread>(Slam2dConfig{}, PlanarKeeper{checkpoint(), {}}, *run->streams, run->grid, run->trajectory);
     return run;
   }
   /// Until everything that waits has been taken and a grid of it made.
@@ -133,7 +133,7 @@ TEST_F(PlanarMapping, AVehicleThatIsElsewhereBeginsAnewAndSaysSo) {
 
 TEST_F(PlanarMapping, AFolderThatTakesNoFileIsTold) {
   auto run = std::make_unique<Run>();
-  run->thread = std::make_unique<PlanarMappingThread>(PlanarMapperConfig{}, PlanarKeeper{{.folder = "/proc"}, {}}, *run->streams, run->grid, run->trajectory);
+  run->thread = std::make_unique<PlanarMappingThread>(Slam2dConfig{}, PlanarKeeper{{.folder = "/proc"}, {}}, *run->streams, run->grid, run->trajectory);
   run->streams->planar_keyframes.try_push(keyframe_at({}));
   work(*run);
   EXPECT_EQ(run->thread->state().checkpoint.state, "failed");
