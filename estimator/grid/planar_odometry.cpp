@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 #include "estimator/grid/planar_covariance.hpp"
 
@@ -181,11 +182,12 @@ void PlanarOdometry::tell(const LineMatch& match) {
   state.time = prior_.time();
   const PlanarPose& T = prior_.pose();
   const Eigen::Quaterniond R_odom_level{Eigen::AngleAxisd{T.yaw_rad, Eigen::Vector3d::UnitZ()}};
-  state.T_odom_base.rotation = R_odom_level * Eigen::Quaterniond{Scan2d::level_rotation(tilt_.up_base())};
+  state.T_odom_base.rotation = R_odom_level;
   state.T_odom_base.translation = {T.translation.x(), T.translation.y(), 0.0};
   state.velocity_mps = R_odom_level * Eigen::Vector3d{prior_.velocity().x(), prior_.velocity().y(), 0.0};
   state.angular_velocity_rads = {0.0, 0.0, prior_.velocity()[2]};
-  state.covariance = in_space(drift_ + match.covariance, T.rotation(), tilt_.is_known() ? kTiltSigma_rad : 1.0);
+  const double lean_rad = tilt_.is_known() ? std::hypot(kTiltSigma_rad, tilt_.up_base().head<2>().norm()) : 1.0;
+  state.covariance = in_space(drift_ + match.covariance, T.rotation(), lean_rad);
   tell_status(match, T.rotation(), state);
   if (to_seconds(state.time - matched_) > config_.lost_s) state.status = TrackingStatus::kLost;
 }

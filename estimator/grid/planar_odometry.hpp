@@ -53,7 +53,7 @@ struct PlanarKeyframe {
 };
 
 struct PlanarResult {
-  NavState state;              // of the scan's end; z is 0, roll and pitch are the IMU's
+  NavState state;              // of the scan's end; z, roll and pitch are 0, their sigma is what is known of the lean
   LineMatch match;
   bool is_keyframe = false;    // then PlanarOdometry::keyframe() holds it until the next scan
 };

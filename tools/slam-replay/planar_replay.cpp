@@ -109,7 +109,6 @@ bool PlanarReplay::write_trajectories(const Sensors& sensors, const std::string&
     NavState stamped = state;
     stamped.time = recorded(sensors, state.time);
     output.scan(stamped);
-    // The correction turns and shifts; how the vehicle leans stays.
     const PlanarPose T_map_odom = in_map(state) * in_plane(state.T_odom_base).inverse();
     write_tum(map, stamped.time, in_space(T_map_odom) * state.T_odom_base);
   }
