@@ -24,6 +24,7 @@ Fields scan_fields(Scan2dConfig& c) {
 
 Fields motion_fields(MotionPriorConfig& c) {
   return {
+      {"planar.motion.start_mps", &c.start_mps, "m/s", kSigma, "that the vehicle may have at first, without wheels"},
       {"planar.motion.accel_mps2", &c.accel_mps2, "m/s^2", kSigma, "by which the velocity may change, without wheels"},
       {"planar.motion.turn_accel_rads2", &c.turn_accel_rads2, "rad/s^2", kSigma, "likewise the turn rate, without wheels and IMU"},
       {"planar.motion.wheel_slip", &c.wheel_slip, "", kShare, "of the way that the wheels tell"},

@@ -104,6 +104,7 @@ Eigen::Matrix3d MotionPrior::noise(HostTime end, const PlanarPose& way) const {
   const double length = way.translation.norm();
   const bool has_wheels = wheels_at(time_) && wheels_at(end);
   double sigma_m = has_wheels ? config_.wheel_slip * length : 0.5 * config_.accel_mps2 * dt * dt + 0.05 * length;
+  if (!knows_velocity()) sigma_m = config_.start_mps * dt;
   double sigma_rad = 0.5 * config_.turn_accel_rads2 * dt * dt;
   if (has_wheels) sigma_rad = std::hypot(config_.wheel_turn_slip * wrap_angle(way.yaw_rad), config_.wheel_turn_rad_m * length);
   const bool has_gyro = turned(time_) && turned(end);
@@ -150,7 +151,8 @@ void MotionPrior::estimate(HostTime time, const PlanarPose& T_odom_base, const E
     learn_bias(time, T_odom_base);
     GroupSe2::Tangent way = GroupSe2::minus(T_odom_base, T_odom_base_);
     way.head<2>() = Eigen::Rotation2Dd{-0.5 * way[2]} * Eigen::Vector2d{way.head<2>()};
-    velocity_ += kVelocityShare * (way / dt - velocity_);
+    velocity_ += (measured_ == 0 ? 1.0 : kVelocityShare) * (way / dt - velocity_);
+    measured_ = std::min(measured_ + 1, kVelocityScans);
   }
   time_ = time;
   T_odom_base_ = T_odom_base;

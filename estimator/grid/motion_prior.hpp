@@ -13,6 +13,7 @@
 namespace slamd {
 
 struct MotionPriorConfig {
+  double start_mps = 4.0;             // that the vehicle may have at first, without wheels
   double accel_mps2 = 2.0;            // by which the velocity may change, without wheels
   double turn_accel_rads2 = 2.0;      // likewise the turn rate, without gyro and wheels
   double wheel_slip = 0.1;            // of the way that the wheels tell
@@ -45,12 +46,15 @@ class MotionPrior {
   void estimate(HostTime time, const PlanarPose& T_odom_base, const Eigen::Matrix3d& covariance, bool is_measured);
 
   bool has_estimate() const { return time_ != HostTime{}; }
+  /// Whether scans (kVelocityScans of them that fitted) or wheels have told how fast the vehicle is.
+  bool knows_velocity() const { return measured_ >= kVelocityScans || wheels_at(time_).has_value(); }
   HostTime time() const { return time_; }
   const PlanarPose& pose() const { return T_odom_base_; }
   /// Of base in base: x, y (m/s), yaw (rad/s).
   const Eigen::Vector3d& velocity() const { return velocity_; }
 
  private:
+  static constexpr int kVelocityScans = 3;
   struct Turn {
     HostTime time;
     double yaw_rad, rate_rads;  // turned since the first sample
@@ -68,6 +72,7 @@ class MotionPrior {
   PlanarPose T_odom_base_;
   Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
+  int measured_ = 0;  // velocities, up to kVelocityScans
   double bias_rads_ = 0.0, bias_sigma_rads_ = 0.02;
 };
 

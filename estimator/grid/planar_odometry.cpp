@@ -12,6 +12,8 @@ namespace {
 constexpr double kUnknownSigma_m = 1e3;  // of what a plane does not tell: height, and without an IMU roll and pitch
 constexpr double kTiltSigma_rad = 0.005;
 constexpr double kFreeShare = 0.3;       // of a free direction that is position
+constexpr double kStanding_mps = 0.3;
+constexpr int kStartLooks = 500'000;     // of the few searches for an unknown velocity
 constexpr double kSkew_m = 0.01;         // a motion that turned out so far off: the scan is de-skewed anew
 constexpr double kSkew_rad = 0.002;
 
@@ -92,7 +94,10 @@ const PlanarResult* PlanarOdometry::step() {
     ++stats_.unmatched;
     if (++unmatched_ >= config_.max_unmatched) map_.clear();
   }
+  const bool knew_velocity = prior_.knows_velocity();
   prior_.estimate(scan_2d_.end(), found.T_map_base, found.covariance, found.ok);
+  // Scans from before were taken for those of a vehicle that stands.
+  if (!knew_velocity && prior_.knows_velocity() && prior_.velocity().head<2>().norm() > kStanding_mps) map_.clear();
   tell(found);
   return &result_;
 }
@@ -144,11 +149,13 @@ PlanarPose PlanarOdometry::search(const PlanarPrior& prior) {
   const Eigen::Vector3d sigma = prior.information.inverse().diagonal().cwiseSqrt();
   SearchWindow window;
   window.centre = prior.T_map_base;
-  window.half_width_m = std::clamp(config_.search_sigmas * sigma.head<2>().maxCoeff(), config_.least_search_m, config_.most_search_m);
+  const double sigma_m = sigma.head<2>().maxCoeff();
+  const double most_m = prior_.knows_velocity() ? config_.most_search_m : config_.search_sigmas * sigma_m;
+  window.half_width_m = std::clamp(config_.search_sigmas * sigma_m, config_.least_search_m, most_m);
   window.half_yaw_rad = std::min(config_.search_sigmas * sigma[2], config_.most_search_rad);
   window.centre_share = config_.search_centre_share;
   window.least_score = config_.least_score;
-  window.most_looks = config_.search_looks;
+  window.most_looks = prior_.knows_velocity() ? config_.search_looks : kStartLooks;
   const std::optional<CorrelativeMatch> found = correlative_.match(map_.likelihood(), sample_, window);
   return found ? found->T_map_base : window.centre;
 }

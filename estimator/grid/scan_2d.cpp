@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "estimator/grid/scan_normals.hpp"
 
@@ -47,15 +48,20 @@ std::optional<int> Scan2d::level_ring(const Scan& scan) const {
   return best;
 }
 
+/// One ring has too few points to leave out those high up on walls; the ground it must not show: that moves with the vehicle.
+float Scan2d::band_high() const {
+  return config_.single_ring ? std::numeric_limits<float>::infinity() : static_cast<float>(config_.band_high_m);
+}
+
 /// A lean of 10 degrees moves a point's height by a sixth of its range: what is farther off the band can never be in it.
 bool Scan2d::is_in_reach(const Eigen::Vector3f& p_base, float range_m) const {
   const float slack = 0.18F * range_m;
-  return p_base.z() >= static_cast<float>(config_.band_low_m) - slack && p_base.z() <= static_cast<float>(config_.band_high_m) + slack;
+  return p_base.z() >= static_cast<float>(config_.band_low_m) - slack && p_base.z() <= band_high() + slack;
 }
 
 void Scan2d::take(const Scan& scan) {
   raw_.clear();
-  has_heights_ = !config_.single_ring;
+  has_heights_ = true;
   begin_ = scan.begin;
   end_ = scan.end;
   const std::optional<int> ring = config_.single_ring ? level_ring(scan) : std::nullopt;
@@ -98,7 +104,7 @@ void Scan2d::cut(const PlanarMotion& motion, const Eigen::Vector3d& up_base, Pla
       t_end_then = T_end_then.translation.cast<float>();
     }
     const Eigen::Vector3f p = R_level_base * raw.p_base;
-    if (has_heights_ && (p.z() < static_cast<float>(config_.band_low_m) || p.z() > static_cast<float>(config_.band_high_m))) continue;
+    if (has_heights_ && (p.z() < static_cast<float>(config_.band_low_m) || p.z() > band_high())) continue;
     level_.emplace_back(R_end_then * p.head<2>() + t_end_then);
   }
   double spacing_m = config_.spacing_m;

@@ -15,7 +15,7 @@
 namespace slamd {
 
 struct Scan2dConfig {
-  bool single_ring = false;       // 3D: the ring nearest to the LiDAR's horizon alone, as in the paper; else all rings in the band
+  bool single_ring = false;       // 3D: the ring nearest to the LiDAR's horizon alone, above the band's low end; else all rings in the band
   double band_low_m = 0.8;        // heights above base that count, of a 3D scan
   double band_high_m = 2.8;
   double min_range_m = 0.12;      // nearer returns are the vehicle itself, from the LiDAR
@@ -49,6 +49,7 @@ class Scan2d {
     float before_end_s;  // negative
   };
   std::optional<int> level_ring(const Scan& scan) const;
+  float band_high() const;
   bool is_in_reach(const Eigen::Vector3f& p_base, float range_m) const;
   void thin(double spacing_m, std::vector<Eigen::Vector2f>& out);
 
